@@ -8,8 +8,8 @@
 
 use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor, node_instructions};
 use model_core::energy::{
-    Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
-    ResponseMap, StorageParameters,
+    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
+    StorageParameters,
 };
 use model_core::excitation::LineBank;
 use model_core::node::{
@@ -27,13 +27,12 @@ const UNIT: f32 = 9.806_65e-3;
 /// Most samples of a section (`M`), sections of a block (`P`): sections of 5 Hz, 1.25 Hz to each side of the resonance, 3.2 s.
 const SECTION: usize = 20;
 const SECTIONS: usize = 16;
-/// Slots in which the node learns the income of a day, actions, and samples that are taken out of the FIFO at once.
+/// Slots in which the node learns the income of a day, and actions.
 const SLOTS: usize = 24;
 const ACTIONS: usize = 2;
-const BURST: usize = 128;
 
 type ThisNode = Node<&'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS>;
-type ThisRunner = Runner<Bench, &'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS, BURST>;
+type ThisRunner<'a> = Runner<'a, Bench, ThisNode>;
 
 /// Capacitance of the storage in F, its leakage in Ω, and the part of what it gives that reaches the load (the DC/DC converter).
 const CAPACITANCE: f32 = 47e-3;
@@ -119,11 +118,8 @@ fn parameters() -> Result<(NodeParameters<ACTIONS>, f32), Box<dyn std::error::Er
             power: 100e-6,      // W, the largest power of such a harvester
         },
         reserve: reserve(12.0 * 3600.0, standing_power), // J for a night, and two hours more
-        // The most important first: energy in J, duration in s, and s from one to the next.
-        actions: [
-            Regular { action: Action::new("measure", MEASURE, 0.1)?, every: 600 },
-            Regular { action: Action::new("transmit", TRANSMIT, 0.1)?, every: 600 },
-        ],
+        // The most important first: energy in J, and s from one to the next.
+        actions: [Regular { energy: MEASURE, every: 600 }, Regular { energy: TRANSMIT, every: 600 }],
     };
     Ok((parameters, glance))
 }
@@ -280,7 +276,7 @@ pub(crate) fn days(count: u32) -> Result<Days, Box<dyn std::error::Error>> {
         ran: [0; ACTIONS],
         slots: [[0xFF; 1024]; 2],
     };
-    let mut runner: ThisRunner = Runner::new(board, node, 0);
+    let mut runner: ThisRunner = Runner::new(board, &node, 0);
     let mut image = [0; ThisRunner::image_bytes()];
     let (mut hour, mut before, mut saved) = (runner.state().last_hour(), 0.0, 0);
     let (mut hours, mut inside, mut lowest) = (0, 0, f64::INFINITY);
@@ -310,7 +306,7 @@ pub(crate) fn days(count: u32) -> Result<Days, Box<dyn std::error::Error>> {
             saved = second;
             runner.save(&mut image)?;
             if second / 3600 == 12 {
-                runner = Runner::new(runner.into_board(), node, second);
+                runner = Runner::new(runner.into_board(), &node, second);
                 runner.resume(&mut image, Gap::OnUntil(second))?;
             }
         }

@@ -40,6 +40,19 @@ impl<S: Scalar> fmt::Display for ParameterError<S> {
 
 impl<S: Scalar> core::error::Error for ParameterError<S> {}
 
+/// The first of some numbers, with name, value, lowest and highest value, that is outside its bounds or not a number.
+pub(crate) const fn first_outside(rows: &[(&'static str, f32, f32, f32)]) -> Option<ParameterError<f32>> {
+    let mut rows = rows;
+    while let [(field, value, lowest, highest), rest @ ..] = rows {
+        if !(*value >= *lowest && *value <= *highest) {
+            let bounds = Bounds { lowest: *lowest, highest: *highest };
+            return Some(ParameterError { field, value: *value, bounds });
+        }
+        rows = rest;
+    }
+    None
+}
+
 /// States the bounds of the numbers of a struct: the table `BOUNDS`, and `check_numbers`, which refuses by it.
 ///
 /// A row is `"name" = field: lowest, highest;` with the name that the error has. A field of type `Option<S>` is

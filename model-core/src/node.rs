@@ -52,14 +52,18 @@ mod state;
 mod tests;
 #[cfg(test)]
 mod textbook_tests;
+mod tier;
+mod voltage;
 #[cfg(test)]
 mod voltage_tests;
 
-pub use board::{Board, Fault, Gap, Runner, SaveError, Step};
+pub use board::{Board, Fault, Runner, SaveError, Step};
 pub use filter::StoreReading;
 pub use hearing::{Hearing, Modelled, Yield};
-pub use parameters::{KnowingCost, NodeError, NodeParameters, Regular, Sensor, Spread};
+pub use parameters::{Converter, KnowingCost, NodeError, NodeParameters, Regular, Sensor, Spread};
 pub use state::{IncomeOfTime, NodeState};
+pub use tier::{Gap, Progress, Task, Tier, Wake};
+pub use voltage::{Tolerances, VoltageNode, VoltageParameters, VoltageState};
 
 use crate::energy::response_map::Words;
 use crate::energy::{Action, Budget, Listening, ResponseMap};
@@ -88,45 +92,6 @@ pub struct Node<W: Words, const M: usize, const P: usize, const SLOTS: usize, co
     thresholds: Thresholds<ACTIONS>,
     /// Energy of a glance in J.
     glance: Option<f32>,
-}
-
-/// What to do now.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Task {
-    /// Nothing.
-    Sleep,
-    /// Take so many samples, those of the start-up included, and give them to [`Node::samples`].
-    Listen {
-        /// Samples that are still missing.
-        samples: u32,
-    },
-    /// Carry out the action with this index. Its energy is booked.
-    Run(usize),
-}
-
-/// The answer of [`Node::wake`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Wake {
-    /// What to do now.
-    pub task: Task,
-    /// Call [`Node::wake`] again after so many seconds; after the task if 0.
-    pub again_in: u32,
-    /// Read the voltage of the storage before that call.
-    pub read: bool,
-}
-
-/// The answer of [`Node::samples`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Progress {
-    /// So many samples are still missing.
-    More(u32),
-    /// The listen is complete: switch the sensor off, and wake.
-    Heard(Hearing),
-    /// The node does not listen: switch the sensor off.
-    Idle,
 }
 
 /// Seconds in an hour.
@@ -203,77 +168,6 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         &self.parameters
     }
 
-    /// The state before any reading, at a time in whole seconds since a midnight. Read the voltage before the first
-    /// [`Node::wake`]: without it the node can afford nothing.
-    #[must_use]
-    pub fn start(&self, second: u32) -> NodeState<P, SLOTS, ACTIONS> {
-        NodeState::new(
-            second,
-            self.filter.start(),
-            self.listening.start(),
-            self.bank.start(),
-            self.budget.start(second),
-        )
-    }
-
-    /// Advances the time to the second `now`, with the code of the converter for the storage's voltage where it was read,
-    /// and says what to do.
-    ///
-    /// The clock is that of [`Node::start`]. Where it has gone back, the node goes on from the new time as by
-    /// [`Node::wake_after_unknown_gap`], asks for a reading at once if it has none, and counts the seconds
-    /// ([`NodeState::clock_went_back`]).
-    ///
-    /// Cost: a step of the filter and of the budget, with a reading also a correction of both, and all of this twice where a
-    /// glance is taken in before it; the decision on an action as [`Budget::can_run_now`].
-    #[inline(never)]
-    pub fn wake(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
-        let Some(now) = self.present(state, now) else {
-            let wake = self.wake_after_unknown_gap(state, code);
-            let read = Wake { task: Task::Sleep, again_in: 1, read: true };
-            return if code.is_some() { wake } else { state.ask(read) };
-        };
-        if let Some(wake) = self.look(state, now, code) {
-            return wake;
-        }
-        self.settle(state, now, code);
-        let is_later = self.advance(state, now, true);
-        self.read(state, code, is_later);
-        self.decide(state)
-    }
-
-    /// Takes samples of a listen, in order, as many as the FIFO has.
-    ///
-    /// Cost: that of [`LineBank::take`]; a look-up for each whole block.
-    #[inline(never)]
-    pub fn samples(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, samples: &[i16]) -> Progress {
-        let voltage = self.voltage_of_map(state);
-        let listen = &mut state.listen;
-        if listen.missing == 0 {
-            return Progress::Idle;
-        }
-        let skipped = (listen.start_up as usize).min(samples.len());
-        listen.start_up -= skipped as u32;
-        let valid = samples.get(skipped..).unwrap_or(&[]);
-        let mut left = valid.get(..listen.missing as usize).unwrap_or(valid);
-        let clipped = self.parameters.sensor.clipped;
-        listen.blocks.is_damaged |= left.iter().any(|&sample| sample >= clipped || sample <= -clipped);
-        while !left.is_empty() {
-            let (taken, lines) = self.bank.take(&mut listen.bank, left);
-            if taken == 0 {
-                break;
-            }
-            listen.missing = listen.missing.saturating_sub(taken as u32);
-            left = left.get(taken..).unwrap_or(&[]);
-            if let Some(lines) = lines {
-                listen.blocks.add(&self.map, &lines, voltage);
-            }
-        }
-        if listen.missing == 0 {
-            return Progress::Heard(self.conclude(state, voltage));
-        }
-        Progress::More(listen.start_up.saturating_add(listen.missing))
-    }
-
     /// Voltage of the storage in V for a map of charge; 0 for another one, which does not ask for it.
     fn voltage_of_map(&self, state: &NodeState<P, SLOTS, ACTIONS>) -> f32 {
         if !self.map.is_current() {
@@ -282,11 +176,6 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         let storage = self.budget.storage();
         let energy = Scalar::min(Scalar::max(state.filter.store().mean, 0.0), storage.capacity());
         storage.voltage(energy)
-    }
-
-    /// Says that samples were lost, for example by an overrun of the FIFO: the listen goes on and gives no value.
-    pub fn samples_lost(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
-        state.listen.blocks.is_damaged = true;
     }
 
     /// The sensor starts anew: samples were lost if a listen has begun and is not complete. A reading that was asked for was not
@@ -400,6 +289,92 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     fn spend_on_knowing(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, energy: f32) {
         self.spend(state, energy);
         state.knowing.add(energy);
+    }
+}
+
+impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize> Tier
+    for Node<W, M, P, SLOTS, ACTIONS>
+{
+    const BURSTS: bool = true;
+
+    fn start(&self, second: u32) -> NodeState<P, SLOTS, ACTIONS> {
+        NodeState::new(
+            second,
+            self.filter.start(),
+            self.listening.start(),
+            self.bank.start(),
+            self.budget.start(second),
+        )
+    }
+
+    fn second(state: &NodeState<P, SLOTS, ACTIONS>) -> u32 {
+        state.second()
+    }
+
+    /// Cost: a step of the filter and of the budget, with a reading also a correction of both, and all of this twice where a
+    /// glance is taken in before it; the decision on an action as [`Budget::can_run_now`].
+    #[inline(never)]
+    fn wake(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
+        let Some(now) = self.present(state, now) else {
+            let wake = self.wake_after_unknown_gap(state, code);
+            let read = Wake { task: Task::Sleep, again_in: 1, read: true };
+            return if code.is_some() { wake } else { state.ask(read) };
+        };
+        if let Some(wake) = self.look(state, now, code) {
+            return wake;
+        }
+        self.settle(state, now, code);
+        let is_later = self.advance(state, now, true);
+        self.read(state, code, is_later);
+        self.decide(state)
+    }
+
+    fn wake_after(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, gap: Gap, code: Option<u32>) -> Wake {
+        match gap {
+            Gap::OnUntil(now) if now == state.second() => {
+                self.interrupt(state);
+                self.wake(state, now, code)
+            }
+            Gap::OnUntil(now) => self.wake_after_reset(state, now, code),
+            Gap::OffUntil(now) => self.return_from_gap(state, now, code, 0.0, false),
+            Gap::LockedOutUntil(now) => self.wake_after_lost_calls(state, now, code),
+            Gap::Unknown => self.wake_after_unknown_gap(state, code),
+        }
+    }
+
+    /// Cost: that of [`LineBank::take`]; a look-up for each whole block.
+    #[inline(never)]
+    fn samples(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, samples: &[i16]) -> Progress {
+        let voltage = self.voltage_of_map(state);
+        let listen = &mut state.listen;
+        if listen.missing == 0 {
+            return Progress::Idle;
+        }
+        let skipped = (listen.start_up as usize).min(samples.len());
+        listen.start_up -= skipped as u32;
+        let valid = samples.get(skipped..).unwrap_or(&[]);
+        let mut left = valid.get(..listen.missing as usize).unwrap_or(valid);
+        let clipped = self.parameters.sensor.clipped;
+        listen.blocks.is_damaged |= left.iter().any(|&sample| sample >= clipped || sample <= -clipped);
+        while !left.is_empty() {
+            let (taken, lines) = self.bank.take(&mut listen.bank, left);
+            if taken == 0 {
+                break;
+            }
+            listen.missing = listen.missing.saturating_sub(taken as u32);
+            left = left.get(taken..).unwrap_or(&[]);
+            if let Some(lines) = lines {
+                listen.blocks.add(&self.map, &lines, voltage);
+            }
+        }
+        if listen.missing == 0 {
+            return Progress::Heard(self.conclude(state, voltage));
+        }
+        Progress::More(listen.start_up.saturating_add(listen.missing))
+    }
+
+    fn samples_lost(&self, state: &mut NodeState<P, SLOTS, ACTIONS>) {
+        state.listen.blocks.is_damaged = true;
     }
 }
 

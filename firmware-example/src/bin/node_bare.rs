@@ -2,7 +2,8 @@
 //! peripherals are a register each: the firmware that a user would flash, without the layers of a crate for a part.
 //!
 //! `host-bench on-target --node` builds it for each core for its size. It is not run: no part has these registers. `node_stack`
-//! is the same program on registers in memory, for its stack.
+//! is the same program on registers in memory, for its stack. `HARVESTER_VARIANT=voltage` at build chooses the node by the voltage
+//! alone in both.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

@@ -187,7 +187,7 @@ mod board {
         };
         // A reset of the processor may have come in a listen.
         board.stop_sensor();
-        let mut runner: Runner<_> = Runner::new(board, node, 0);
+        let mut runner: Runner<_> = Runner::new(board, &node, 0);
         let mut image = [0; image_size::<ExampleNode>()];
         // Without an image the node begins anew. Without a clock of its own supply no one knows how long the power-down was.
         if runner.resume(&mut image, Gap::Unknown).is_ok() {

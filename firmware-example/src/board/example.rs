@@ -6,8 +6,8 @@ use model_core::energy::cost::{
 };
 use model_core::energy::response_map::MapError;
 use model_core::energy::{
-    Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
-    ResponseMap, StorageParameters,
+    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
+    StorageParameters,
 };
 use model_core::excitation::{ExcitationError, LineBank};
 use model_core::node::{KnowingCost, Node, NodeError, NodeParameters, Regular, Sensor, Spread};
@@ -22,13 +22,11 @@ const SECTIONS: usize = 16;
 const SLOTS: usize = 24;
 /// Number of actions.
 const ACTIONS: usize = 2;
-/// Samples that are read from the FIFO in one go.
-pub const BURST: usize = 128;
 
 /// The node of this board.
 pub type ExampleNode = Node<&'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS>;
 /// The node with its board.
-pub type Runner<B> = model_core::node::Runner<B, &'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS, BURST>;
+pub type Runner<'a, B> = model_core::node::Runner<'a, B, ExampleNode>;
 
 /// Range of the accelerometer.
 pub const RANGE: Range = Range::G2;
@@ -82,7 +80,7 @@ pub fn node() -> Result<ExampleNode, ExampleError> {
     let reading =
         cost.voltage_reading.value + cost.start_energy() + cost.processor.computing(reading, Code::Filter);
     let packet = Radio::<f32>::nrf52832();
-    let sent = packet.packet(20).zip(packet.packet_time(20)).ok_or(ExampleError::Figure)?;
+    let sent = packet.packet(20).ok_or(ExampleError::Figure)?;
     let standing_power = cost.standing_power().ok_or(ExampleError::Figure)? + STANDBY;
     let parameters = NodeParameters {
         budget: BudgetParameters {
@@ -136,8 +134,8 @@ pub fn node() -> Result<ExampleNode, ExampleError> {
         // Half an hour asleep.
         reserve: 1800.0 * standing_power,
         actions: [
-            Regular { action: Action::new("measure", 300e-6, 0.1)?, every: 600 },
-            Regular { action: Action::new("transmit", sent.0 + cost.start_energy(), sent.1)?, every: 900 },
+            Regular { energy: 300e-6, every: 600 },
+            Regular { energy: sent + cost.start_energy(), every: 900 },
         ],
     };
     let map = ResponseMap::new(&contact_separation::MAP[..], contact_separation::FINGERPRINT)

@@ -11,9 +11,10 @@ use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use embedded_storage::nor_flash::{
     ErrorType as FlashErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
-use model_core::node::{Board, Gap, Step};
+use model_core::node::{Board, Fault, Gap, Runner, Step, Tier, VoltageNode};
+use model_core::snapshot::image_size;
 
-use super::parts::{ExampleNode, Part, Runner};
+use super::parts::{ACTIONS, ExampleNode, NODE, Part};
 use super::{IMAGE_BYTES, IMAGE_EVERY};
 use crate::board::adxl362::{Adxl362, Axis, Range, Rate};
 use crate::board::flash::Slots;
@@ -163,11 +164,18 @@ impl<R: Registers> NorFlash for Flash<R> {
     }
 }
 
+/// Whether the program is that of the node by the voltage alone: the only variant of this binary.
+const BY_VOLTAGE: bool = option_env!("HARVESTER_VARIANT").is_some();
+
 /// Runs the node until `is_over` at a second of the clock.
 ///
 /// Making it, living, resuming and saving are calls: what each takes on the stack is free again afterwards.
 pub fn run<R: Registers>(is_over: impl Fn(u32) -> bool) {
-    live::<R>(made(), is_over);
+    if BY_VOLTAGE {
+        live::<R, _, _, { image_size::<VoltageNode<ACTIONS>>() }>(VoltageBoard(slots::<R>()), &NODE, is_over);
+    } else {
+        with_bursts::<R>(made(), is_over);
+    }
 }
 
 /// The node.
@@ -179,9 +187,41 @@ fn made() -> ExampleNode {
     }
 }
 
+fn slots<R: Registers>() -> Slots<Flash<R>> {
+    match Slots::new(Flash(PhantomData), PAGE) {
+        Some(slots) => slots,
+        None => stop(Code::WorkloadFailed),
+    }
+}
+
+/// A board without a sensor.
+struct VoltageBoard<R>(Slots<Flash<R>>);
+
+impl<R: Registers> Board for VoltageBoard<R> {
+    fn sleep(&mut self, seconds: u32, _samples: u32) -> u32 {
+        R::write(Register::Sleep, 1000 * seconds);
+        R::read(Register::Second)
+    }
+
+    fn storage_code(&mut self) -> Option<u32> {
+        Some(R::read(Register::Converter))
+    }
+
+    fn run(&mut self, action: usize) {
+        R::write(Register::Action, action as u32);
+    }
+
+    fn read_slot(&mut self, slot: usize, bytes: &mut [u8]) {
+        self.0.read(slot, bytes);
+    }
+
+    fn write_slot(&mut self, slot: usize, bytes: &[u8]) -> Result<(), Fault> {
+        self.0.write(slot, bytes)
+    }
+}
+
 #[inline(never)]
-fn live<R: Registers>(node: ExampleNode, is_over: impl Fn(u32) -> bool) {
-    let Some(slots) = Slots::new(Flash::<R>(PhantomData), PAGE) else { stop(Code::WorkloadFailed) };
+fn with_bursts<R: Registers>(node: ExampleNode, is_over: impl Fn(u32) -> bool) {
     let mut board = HalBoard {
         sensor: Adxl362::new(Spi::<R>(PhantomData), Axis::Z, Range::G2, Rate::Hz100),
         delay: Wait::<R>(PhantomData),
@@ -191,33 +231,41 @@ fn live<R: Registers>(node: ExampleNode, is_over: impl Fn(u32) -> bool) {
         },
         convert: || Some(R::read(Register::Converter)),
         act: |action: usize| R::write(Register::Action, action as u32),
-        slots,
+        slots: slots::<R>(),
     };
     // A reset of the processor may have come in a listen.
     board.stop_sensor();
-    let mut runner: Runner<_> = Runner::new(board, node, R::read(Register::Second));
-    resume(&mut runner, R::read(Register::Second));
-    let mut saved = runner.state().second();
-    while !is_over(runner.state().second()) {
+    live::<R, _, _, IMAGE_BYTES>(board, &node, is_over);
+}
+
+fn live<R: Registers, B: Board, N: Tier<State: Copy>, const IMAGE: usize>(
+    board: B,
+    node: &N,
+    is_over: impl Fn(u32) -> bool,
+) {
+    let mut runner = Runner::new(board, node, R::read(Register::Second));
+    resume::<_, _, IMAGE>(&mut runner, R::read(Register::Second));
+    let mut saved = N::second(runner.state());
+    while !is_over(N::second(runner.state())) {
         let step = runner.step();
-        let second = runner.state().second();
+        let second = N::second(runner.state());
         if step == Step::Slept && runner.is_idle() && second.saturating_sub(saved) >= IMAGE_EVERY {
             saved = second;
-            save(&mut runner);
+            save::<_, _, IMAGE>(&mut runner);
         }
     }
 }
 
 /// Continues from the newest image. Without one the node begins anew.
 #[inline(never)]
-fn resume<B: Board>(runner: &mut Runner<B>, second: u32) {
-    let mut image = [0; IMAGE_BYTES];
+fn resume<B: Board, N: Tier<State: Copy>, const IMAGE: usize>(runner: &mut Runner<'_, B, N>, second: u32) {
+    let mut image = [0; IMAGE];
     let _ = runner.resume(&mut image, Gap::OnUntil(second));
 }
 
 /// Writes an image. A failure of the flash leaves the image before it.
 #[inline(never)]
-fn save<B: Board>(runner: &mut Runner<B>) {
-    let mut image = [0; IMAGE_BYTES];
+fn save<B: Board, N: Tier<State: Copy>, const IMAGE: usize>(runner: &mut Runner<'_, B, N>) {
+    let mut image = [0; IMAGE];
     let _ = runner.save(&mut image);
 }

@@ -5,7 +5,7 @@ use model_core::node::{Gap, IncomeOfTime, Step};
 use super::Meter;
 use super::day::SECONDS;
 use super::entry::{Entry, Hour, State};
-use super::parts::{Part, PartsError, Runner};
+use super::parts::{ExampleNode, Part, Runner};
 use super::plant::Draws;
 use super::world::{IMAGE_BYTES, IMAGE_EVERY, Simulated, Work, World};
 
@@ -45,9 +45,10 @@ pub fn cycle<M: Meter>(
     meter: &M,
     log: &mut dyn FnMut(&Entry),
 ) -> Result<End, Failed> {
-    let mut started = start(part, world, meter);
+    let made = part.node();
     // By reference: a node has no room for a second copy.
-    let Ok(runner) = &mut started else { return Err(Failed::Parameters) };
+    let Ok(node) = &made else { return Err(Failed::Parameters) };
+    let runner = &mut start(node, world, meter);
     resume(runner, log);
     let mut diary = Diary::new(runner);
     loop {
@@ -90,15 +91,14 @@ pub fn cycle<M: Meter>(
     }
 }
 
-type Node<'a, M> = Runner<Simulated<'a, M>>;
+type Node<'a, M> = Runner<'a, Simulated<'a, M>>;
 
 /// The node on its board. What it takes on the stack is free again afterwards.
 #[inline(never)]
-fn start<'a, M: Meter>(part: Part, world: &'a mut World, meter: &'a M) -> Result<Node<'a, M>, PartsError> {
-    let node = part.node()?;
-    let draws = Draws::new(&node);
+fn start<'a, M: Meter>(node: &'a ExampleNode, world: &'a mut World, meter: &'a M) -> Node<'a, M> {
+    let draws = Draws::new(node);
     world.switch_on();
-    Ok(Runner::new(Simulated::new(world, draws, meter), node, 0))
+    Runner::new(Simulated::new(world, draws, meter), node, 0)
 }
 
 /// Continues from the newest image, if there is one.

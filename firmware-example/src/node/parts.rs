@@ -4,11 +4,14 @@ use model_core::bounds::ParameterError;
 use model_core::energy::cost::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
 use model_core::energy::response_map::MapError;
 use model_core::energy::{
-    Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
-    ResponseMap, StorageParameters,
+    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
+    StorageParameters,
 };
 use model_core::excitation::{ExcitationError, LineBank};
-use model_core::node::{KnowingCost, Node, NodeError, NodeParameters, NodeState, Regular, Sensor, Spread};
+use model_core::node::{
+    Converter, KnowingCost, Node, NodeError, NodeParameters, NodeState, Regular, Sensor, Spread, Tolerances,
+    VoltageNode, VoltageParameters,
+};
 
 /// The map of `node.toml`: contact-separation under the force of the field, 20 g on 320 N/m, with impacts.
 #[path = "../../map/node.rs"]
@@ -21,8 +24,6 @@ const SECTIONS: usize = 32;
 const SLOTS: usize = 24;
 /// Number of actions.
 pub const ACTIONS: usize = 2;
-/// Samples that are taken out of the FIFO at once.
-pub const BURST: usize = 128;
 /// Samples of a listen.
 pub const LISTEN: u32 = (SECTION * SECTIONS) as u32;
 
@@ -31,7 +32,7 @@ pub type ExampleNode = Node<&'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS>;
 /// What it has learnt.
 pub type ExampleState = NodeState<SECTIONS, SLOTS, ACTIONS>;
 /// The node with its board.
-pub type Runner<B> = model_core::node::Runner<B, &'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS, BURST>;
+pub type Runner<'a, B> = model_core::node::Runner<'a, B, ExampleNode>;
 
 /// Samples of the accelerometer in a second.
 pub const RATE: u32 = 100;
@@ -121,7 +122,7 @@ impl Part {
     fn parameters(self) -> Result<(NodeParameters<ACTIONS>, f32), PartsError> {
         let accelerometer = Accelerometer::adxl362();
         let cost = CostModel::<f32>::new(self.processor(), accelerometer);
-        let Instructions { reading, glance, sample, block } = node_instructions(cost.processor.core);
+        let Instructions { reading, glance, sample, block, .. } = node_instructions(cost.processor.core);
         let instructions = LISTEN as f32 * sample + block;
         let listen =
             cost.listen(LISTEN, RATE as f32, instructions, Code::Filter).ok_or(PartsError::Figure)?;
@@ -131,17 +132,9 @@ impl Part {
                 + cost.processor.computing(instructions, Code::Filter)
         };
         let standing_power = cost.standing_power().ok_or(PartsError::Figure)?;
-        let part = |percent: u8| 0.01 * f32::from(percent);
         let parameters = NodeParameters {
             budget: BudgetParameters {
-                storage: StorageParameters {
-                    capacitor: Capacitor { capacitance: CAPACITANCE, leakage_resistance: LEAKAGE },
-                    charging_efficiency: part(INTO_STORAGE),
-                    discharging_efficiency: part(OUT_OF_STORAGE),
-                    highest_voltage: HIGHEST,
-                    lock_out_voltage: LOCK_OUT,
-                    turn_on_voltage: 2.2,
-                },
+                storage: STORAGE,
                 income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
                 standing_power,
             },
@@ -183,11 +176,47 @@ impl Part {
             },
             // Ten hours asleep.
             reserve: 36_000.0 * standing_power,
-            actions: [
-                Regular { action: Action::new("measure", 300e-6, 0.1)?, every: 300 },
-                Regular { action: Action::new("transmit", 6.6e-3, 0.1)?, every: 300 },
-            ],
+            actions: REGULAR,
         };
         Ok((parameters, of_code(glance)))
     }
 }
+
+/// The node by the voltage alone: the same storage and actions, in flash.
+pub static NODE: VoltageNode<ACTIONS> = match by_voltage(0.3e-6, 1e-6).build() {
+    Ok(node) => node,
+    Err(error) => panic!("{}", error.field),
+};
+
+/// Its parameters, with the energy of a reading in J and the standing power in W.
+const fn by_voltage(reading: f32, standing_power: f32) -> VoltageParameters<ACTIONS> {
+    VoltageParameters {
+        storage: STORAGE,
+        converter: Converter { bits: BITS, full_scale: FULL_SCALE, noise: CONVERTER_NOISE },
+        standing_power,
+        reading,
+        intervals: [60, 300],
+        tolerances: Tolerances {
+            standing: 0.2,
+            capacitance: 0.115,
+            highest_voltage: 0.03,
+            ..Tolerances::EXACT
+        },
+        largest_power: 300e-6,
+        reserve: 36_000.0 * standing_power,
+        actions: REGULAR,
+    }
+}
+
+/// A measurement and a transmission.
+const REGULAR: [Regular; ACTIONS] =
+    [Regular { energy: 300e-6, every: 300 }, Regular { energy: 6.6e-3, every: 300 }];
+
+const STORAGE: StorageParameters<f32> = StorageParameters {
+    capacitor: Capacitor { capacitance: CAPACITANCE, leakage_resistance: LEAKAGE },
+    charging_efficiency: 0.01 * INTO_STORAGE as f32,
+    discharging_efficiency: 0.01 * OUT_OF_STORAGE as f32,
+    highest_voltage: HIGHEST,
+    lock_out_voltage: LOCK_OUT,
+    turn_on_voltage: 2.2,
+};

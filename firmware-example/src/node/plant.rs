@@ -43,7 +43,7 @@ impl Draws {
             reading: of(parameters.cost.reading, KNOWING),
             glance: of(node.glance().unwrap_or(0.0), KNOWING),
             listen: of(parameters.cost.listen, KNOWING),
-            actions: parameters.actions.map(|regular| of(regular.action.energy(), ACTION)),
+            actions: parameters.actions.map(|regular| of(regular.energy, ACTION)),
         }
     }
 }

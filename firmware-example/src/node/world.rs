@@ -3,11 +3,11 @@
 use model_core::node::{Board, Fault};
 
 use super::Meter;
-use super::parts::Runner;
+use super::parts::ExampleNode;
 use super::plant::{Draws, Plant};
 
 /// Bytes of an image of the node.
-pub const IMAGE_BYTES: usize = Runner::<Simulated<'static, super::NoMeter>>::image_bytes();
+pub const IMAGE_BYTES: usize = model_core::snapshot::image_size::<ExampleNode>();
 
 /// Seconds from one image to the next.
 pub const IMAGE_EVERY: u32 = 3600;

@@ -95,9 +95,52 @@ pub struct Followed {
     /// The whole firmware, with the simulated plant.
     pub size: Size,
     /// The same node on a board in place of the plant, and without a log: what a user would flash.
-    pub bare: Size,
-    /// The memory of that node.
+    pub bare: Bare,
+}
+
+/// The program of a node on a board, of one tier.
+#[derive(Debug, Clone, Copy)]
+pub struct Bare {
+    /// Its size.
+    pub size: Size,
+    /// Its memory.
     pub memory: Memory,
+    /// Instructions of a boot from an image, of a reading in the mean, and of the largest call.
+    pub instructions: [f64; 3],
+}
+
+/// Builds the program of a node on a board for `core`, `by_voltage` alone or with bursts, and runs it on registers in memory for at
+/// most `time_limit`.
+///
+/// # Errors
+///
+/// When it cannot be built or run.
+pub fn bare(core: Core, by_voltage: bool, time_limit: Duration) -> Result<Bare, Error> {
+    let of = |name| Binary { variant: by_voltage.then_some("voltage"), ..Binary::new(name) };
+    let size = Firmware::build(core, of("node_bare"))?.check()?;
+    let firmware = Firmware::build(core, of("node_stack"))?;
+    let log = qemu::run(core, &firmware.path, time_limit)?;
+    let lines = decoder::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
+    let count = |name: &str| {
+        let found = lines.iter().find_map(|line| line.strip_prefix(name)?.parse::<u64>().ok());
+        found.ok_or_else(|| Error::on(core, decode::Error::Incomplete))
+    };
+    let per_tick = core.hardware().instructions_per_tick();
+    let instructions = |name| count(name).map(|ticks| ticks as f64 * per_tick);
+    Ok(Bare {
+        size,
+        memory: Memory {
+            stack: count("bytes stack ")?,
+            node: count("bytes node ")?,
+            state: count("bytes state ")?,
+            image: count("bytes image ")?,
+        },
+        instructions: [
+            instructions("ticks boot ")?,
+            instructions("ticks reading ")?,
+            instructions("ticks largest ")?,
+        ],
+    })
 }
 
 /// RAM of a node on a board, in bytes.
@@ -109,35 +152,8 @@ pub struct Memory {
     pub node: u64,
     /// Its state.
     pub state: u64,
-    /// The buffer of a burst of samples.
-    pub burst: u64,
     /// The buffer of an image, only while the node resumes or saves.
     pub image: u64,
-}
-
-impl Memory {
-    /// The memory by the lines "bytes NAME NUMBER" of a log.
-    fn read(lines: &[String]) -> Option<Self> {
-        let of = |name: &str| {
-            let prefix = format!("bytes {name} ");
-            lines.iter().find_map(|line| line.strip_prefix(&prefix)?.parse().ok())
-        };
-        Some(Self {
-            stack: of("stack")?,
-            node: of("node")?,
-            state: of("state")?,
-            burst: of("burst")?,
-            image: of("image")?,
-        })
-    }
-}
-
-/// Runs the program of a node on a board on registers in memory, for its stack.
-fn memory(core: Core, time_limit: Duration) -> Result<Memory, Error> {
-    let firmware = Firmware::build(core, Binary::new("node_stack"))?;
-    let log = qemu::run(core, &firmware.path, time_limit)?;
-    let lines = decoder::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
-    Memory::read(&lines).ok_or_else(|| Error::on(core, decode::Error::Incomplete))
 }
 
 /// Runs the node on `core` for at most `time_limit`, with its losses of power, compares its log with the host's, and that one
@@ -149,8 +165,7 @@ fn memory(core: Core, time_limit: Duration) -> Result<Memory, Error> {
 pub fn follow(core: Core, time_limit: Duration) -> Result<Followed, Error> {
     let firmware = Firmware::build(core, Binary::new("node"))?;
     let size = firmware.check()?;
-    let bare = Firmware::build(core, Binary::new("node_bare"))?.check()?;
-    let memory = memory(core, time_limit)?;
+    let bare = bare(core, false, time_limit)?;
     let log = qemu::run(core, &firmware.path, time_limit)?;
     let messages = decoder::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
     let (counts, found): (Vec<_>, Vec<_>) =
@@ -169,7 +184,7 @@ pub fn follow(core: Core, time_limit: Duration) -> Result<Followed, Error> {
         .collect::<Result<Vec<_>, _>>()?;
     let stack = counted.pop().ok_or_else(|| Error::on(core, decode::Error::Incomplete))?;
     let stack = (stack.instructions / per_tick).round() as u64;
-    Ok(Followed { losses: expected.world.losses(), whole, counted, stack, size, bare, memory })
+    Ok(Followed { losses: expected.world.losses(), whole, counted, stack, size, bare })
 }
 
 /// A line "count WORK CALLS SAMPLES TICKS".

@@ -1,13 +1,12 @@
 //! What a node needs of the hardware, and a loop over it.
 
-use super::{Hearing, Node, NodeState, Progress, Task, Wake};
-use crate::energy::response_map::Words;
+use super::{Gap, Hearing, Progress, Task, Tier, Wake};
 use crate::snapshot::{SnapshotError, image_size, newest_slot, read_image, save_image};
 
 /// The hardware of a node.
 ///
-/// [`Runner`] calls it. Firmware that is driven by interrupts or an executor calls [`Node`] itself and has no need of this
-/// trait.
+/// [`Runner`] calls it. Firmware that is driven by interrupts or an executor calls its [`Tier`] itself and has no need of
+/// this trait.
 pub trait Board {
     /// Sleeps for at most `seconds`, or until the sensor, if it is on, has about `samples`. Returns the second of the clock.
     fn sleep(&mut self, seconds: u32, samples: u32) -> u32;
@@ -15,21 +14,25 @@ pub trait Board {
     /// The code of the converter for the storage's voltage; `None` if it cannot be read.
     fn storage_code(&mut self) -> Option<u32>;
 
-    /// Starts the accelerometer, with its FIFO.
+    /// Starts the accelerometer, with its FIFO. Only a node that takes bursts calls this function and the next two.
     ///
     /// # Errors
     /// If the sensor does not answer.
-    fn start_sensor(&mut self) -> Result<(), Fault>;
+    fn start_sensor(&mut self) -> Result<(), Fault> {
+        Err(Fault)
+    }
 
     /// Stops the accelerometer: standby. If its supply is switched off instead, no line to it may be high then.
-    fn stop_sensor(&mut self);
+    fn stop_sensor(&mut self) {}
 
     /// Moves samples along the axis of the harvester from the FIFO to the front of `samples`, as raw counts. Returns
     /// their number, which may be 0.
     ///
     /// # Errors
     /// If samples were lost since the last call, or the sensor does not answer.
-    fn read_samples(&mut self, samples: &mut [i16]) -> Result<usize, Fault>;
+    fn read_samples(&mut self, _samples: &mut [i16]) -> Result<usize, Fault> {
+        Err(Fault)
+    }
 
     /// Carries an action out.
     fn run(&mut self, action: usize);
@@ -48,23 +51,6 @@ pub trait Board {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Fault;
-
-/// The time between an image and the resumption from it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Gap {
-    /// The node was on until this second of its clock, and lost its memory only. What it did after the image is unknown: the
-    /// income since is uncertain by the energy of what it could have run.
-    OnUntil(u32),
-    /// The node was off from the image until this second of its clock: nothing was drawn. An image is then saved at the
-    /// power-down. What the node spends after the image is taken for an income that was missing.
-    OffUntil(u32),
-    /// The node went off at an unknown time after the image, as by a lock-out, and was off until this second of its clock. It
-    /// drew any energy up to what it draws at most; the income of the time is uncertain by as much.
-    LockedOutUntil(u32),
-    /// The node was off for a time that no clock knows. The clock goes on from the second of the image.
-    Unknown,
-}
 
 /// The reason why an image was not saved. The slot of the newest valid image is as it was.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,26 +77,20 @@ impl core::fmt::Display for SaveError {
 
 impl core::error::Error for SaveError {}
 
-/// A node on a board, with a buffer of `BURST` samples.
+/// A node on a board.
 #[derive(Debug)]
-pub struct Runner<
-    B,
-    W: Words,
-    const M: usize,
-    const P: usize,
-    const SLOTS: usize,
-    const ACTIONS: usize,
-    const BURST: usize,
-> {
+pub struct Runner<'a, B, N: Tier> {
     board: B,
-    node: Node<W, M, P, SLOTS, ACTIONS>,
-    state: NodeState<P, SLOTS, ACTIONS>,
+    node: &'a N,
+    state: N::State,
     wake: Wake,
     is_listening: bool,
     /// Number and slot of the newest image; `None` before a look at the slots.
     newest: Option<(u32, usize)>,
-    burst: [i16; BURST],
 }
+
+/// Samples that are taken out of the FIFO at once.
+const BURST: usize = 128;
 
 /// What a step of a [`Runner`] did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,28 +106,22 @@ pub enum Step {
     Ran(usize),
 }
 
-impl<
-    B: Board,
-    W: Words,
-    const M: usize,
-    const P: usize,
-    const SLOTS: usize,
-    const ACTIONS: usize,
-    const BURST: usize,
-> Runner<B, W, M, P, SLOTS, ACTIONS, BURST>
+impl<'a, B: Board, N: Tier> Runner<'a, B, N>
+where
+    N::State: Copy,
 {
     /// A node that wakes up at `second` and knows nothing. It reads the voltage of the storage.
     #[inline(never)]
-    pub fn new(mut board: B, node: Node<W, M, P, SLOTS, ACTIONS>, second: u32) -> Self {
+    pub fn new(mut board: B, node: &'a N, second: u32) -> Self {
         let mut state = node.start(second);
         let code = board.storage_code();
         let wake = node.wake(&mut state, second, code);
-        Self { board, node, state, wake, is_listening: false, newest: None, burst: [0; BURST] }
+        Self { board, node, state, wake, is_listening: false, newest: None }
     }
 
     /// The state.
     #[must_use]
-    pub fn state(&self) -> &NodeState<P, SLOTS, ACTIONS> {
+    pub fn state(&self) -> &N::State {
         &self.state
     }
 
@@ -159,8 +133,8 @@ impl<
 
     /// The node.
     #[must_use]
-    pub fn node(&self) -> &Node<W, M, P, SLOTS, ACTIONS> {
-        &self.node
+    pub fn node(&self) -> &'a N {
+        self.node
     }
 
     /// The board.
@@ -185,7 +159,7 @@ impl<
         match self.wake.task {
             Task::Run(action) => {
                 self.board.run(action);
-                self.ask(self.state.second(), None);
+                self.ask(N::second(&self.state), None);
                 Step::Ran(action)
             }
             Task::Sleep => {
@@ -194,7 +168,8 @@ impl<
                 self.ask(now, code);
                 Step::Slept
             }
-            Task::Listen { samples } => self.listen(samples),
+            Task::Listen { samples } if N::BURSTS => self.listen(samples),
+            Task::Listen { .. } => Step::Slept,
         }
     }
 
@@ -207,15 +182,15 @@ impl<
                 self.node.samples_lost(&mut self.state);
             }
         }
-        let burst = u32::try_from(BURST).unwrap_or(u32::MAX);
-        let now = self.board.sleep(self.wake.again_in, samples.min(burst));
+        let mut burst = [0; BURST];
+        let now = self.board.sleep(self.wake.again_in, samples.min(BURST as u32));
         let mut heard = None;
         loop {
-            let Ok(count) = self.board.read_samples(&mut self.burst) else {
+            let Ok(count) = self.board.read_samples(&mut burst) else {
                 self.node.samples_lost(&mut self.state);
                 break;
             };
-            let burst = self.burst.get(..count).unwrap_or(&self.burst);
+            let burst = burst.get(..count).unwrap_or(&burst);
             if burst.is_empty() {
                 break;
             }
@@ -231,7 +206,7 @@ impl<
             }
         }
         // The books wait for the end of the listen, because they cost more than a burst.
-        let since = now.checked_sub(self.state.second());
+        let since = now.checked_sub(N::second(&self.state));
         let is_over = since.is_none_or(|since| since >= self.wake.again_in);
         if heard.is_some() || is_over {
             self.ask(now, None);
@@ -242,7 +217,7 @@ impl<
     #[inline(never)]
     fn ask(&mut self, now: u32, code: Option<u32>) {
         self.wake = self.node.wake(&mut self.state, now, code);
-        if self.is_listening && !matches!(self.wake.task, Task::Listen { .. }) {
+        if N::BURSTS && self.is_listening && !matches!(self.wake.task, Task::Listen { .. }) {
             self.board.stop_sensor();
             self.is_listening = false;
         }
@@ -270,7 +245,7 @@ impl<
             None => self.look_for_newest(buffer),
         };
         let (sequence, slot) = (newest.wrapping_add(1), 1 - taken.min(1));
-        let size = save_image(&self.node, &self.state, sequence, buffer).map_err(SaveError::Buffer)?;
+        let size = save_image(self.node, &self.state, sequence, buffer).map_err(SaveError::Buffer)?;
         let image = buffer.get_mut(..size).unwrap_or(&mut []);
         let checksum = image.last_chunk::<4>().copied();
         self.board.write_slot(slot, image).map_err(|Fault| SaveError::Memory)?;
@@ -299,7 +274,7 @@ impl<
     #[inline(never)]
     fn take_image(&mut self, slot: usize, buffer: &mut [u8]) -> Result<u32, SnapshotError> {
         self.board.read_slot(slot, buffer);
-        read_image(&self.node, buffer, &mut self.state)
+        read_image(self.node, buffer, &mut self.state)
     }
 
     /// As [`Runner::take_image`]; the state stays if the image is not valid.
@@ -334,35 +309,15 @@ impl<
         let sequence = self.continue_from(slot, buffer)?;
         self.newest = Some((sequence, slot));
         self.is_listening = false;
-        match gap {
-            Gap::OnUntil(now) => {
-                if now == self.state.second() {
-                    self.node.interrupt(&mut self.state);
-                    self.ask(now, None);
-                } else {
-                    let code = self.board.storage_code();
-                    self.wake = self.node.wake_after_reset(&mut self.state, now, code);
-                }
-            }
-            Gap::OffUntil(now) => {
-                let code = self.board.storage_code();
-                self.wake = self.node.wake_after_gap(&mut self.state, now, code);
-            }
-            Gap::LockedOutUntil(now) => {
-                let code = self.board.storage_code();
-                self.wake = self.node.wake_after_lost_calls(&mut self.state, now, code);
-            }
-            Gap::Unknown => {
-                let code = self.board.storage_code();
-                self.wake = self.node.wake_after_unknown_gap(&mut self.state, code);
-            }
-        }
+        let is_known = gap == Gap::OnUntil(N::second(&self.state));
+        let code = if is_known { None } else { self.board.storage_code() };
+        self.wake = self.node.wake_after(&mut self.state, gap, code);
         Ok(sequence)
     }
 
     /// Bytes that a buffer of [`Runner::save`] and [`Runner::resume`] needs.
     #[must_use]
     pub const fn image_bytes() -> usize {
-        image_size::<Node<W, M, P, SLOTS, ACTIONS>>()
+        image_size::<N>()
     }
 }

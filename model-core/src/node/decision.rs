@@ -72,14 +72,13 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     #[inline(never)]
     pub(super) fn grants(&self, state: &BudgetState<f32, SLOTS>, regular: &Regular) -> bool {
         // What leaves the reserve can be afforded.
-        self.leaves_reserve(state, regular) && self.budget.leaves_the_day(state, &regular.action)
+        self.leaves_reserve(state, regular) && self.budget.leaves_the_day(state, &regular.action())
     }
 
     /// Whether an action leaves the reserve in the storage.
     fn leaves_reserve(&self, state: &BudgetState<f32, SLOTS>, regular: &Regular) -> bool {
-        let energy = regular.action.energy() + self.parameters.reserve;
-        let with_reserve = Action::new("with reserve", energy, regular.action.duration());
-        with_reserve.is_ok_and(|action| self.budget.can_afford(state, &action, state.second()))
+        let with_reserve = Action::at_once(regular.energy + self.parameters.reserve);
+        self.budget.can_afford(state, &with_reserve, state.second())
     }
 
     /// Begins a listen; the number of samples.

@@ -13,24 +13,11 @@ const OF_USUAL: f32 = 3.0;
 impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS: usize>
     Node<W, M, P, SLOTS, ACTIONS>
 {
-    /// As [`Node::wake`] after a time in which the node was off from the last call to `now`: nothing was drawn, and nothing
-    /// was heard. If it went off later, as by a lock-out while it slept, use [`Node::wake_after_lock_out`].
-    #[cold]
-    #[inline(never)]
-    pub fn wake_after_gap(
-        &self,
-        state: &mut NodeState<P, SLOTS, ACTIONS>,
-        now: u32,
-        code: Option<u32>,
-    ) -> Wake {
-        self.return_from_gap(state, now, code, 0.0, false)
-    }
-
-    /// As [`Node::wake`] after a reset that lost what is newer than `state`: the node was on until `now`. It ran any part of what it
+    /// As after a reset that lost what is newer than `state`: the node was on until `now`. It ran any part of what it
     /// could have run, and heard something that is lost; the income since is uncertain by that part.
     #[cold]
     #[inline(never)]
-    pub fn wake_after_reset(
+    pub(super) fn wake_after_reset(
         &self,
         state: &mut NodeState<P, SLOTS, ACTIONS>,
         now: u32,
@@ -40,7 +27,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         self.return_from_gap(state, now, code, largest, true)
     }
 
-    /// As [`Node::wake_after_gap`] where the node went off at an unknown time between the last call and the wake that was due
+    /// As with [`Gap::OffUntil`](super::Gap::OffUntil) where the node went off at an unknown time between the last call and the wake that was due
     /// then: it slept first, and drew any part of its standing power over that time. The income of the gap is uncertain by as
     /// much.
     #[cold]
@@ -82,7 +69,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             (cost.reading, state.last_reading, cost.shortest_reading),
         ];
         let actions = self.parameters.actions.iter().zip(state.last_run);
-        let actions = actions.map(|(regular, last)| (regular.action.energy(), last, regular.every));
+        let actions = actions.map(|(regular, last)| (regular.energy, last, regular.every));
         let spent =
             knowing.into_iter().chain(actions).fold(standing * seconds, |sum, (energy, last, every)| {
                 sum + energy * real(times(now.saturating_sub(last), every))
@@ -113,7 +100,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
 
     /// Wakes from a time of which nothing is known that was heard, and any energy up to `largest_drawn` in J was drawn, in
     /// addition to the standing power if the node was on.
-    fn return_from_gap(
+    #[cold]
+    #[inline(never)]
+    pub(super) fn return_from_gap(
         &self,
         state: &mut NodeState<P, SLOTS, ACTIONS>,
         now: u32,
@@ -160,12 +149,9 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         None
     }
 
-    /// As [`Node::wake_after_gap`] where no clock knows how long the node was off: the time goes on from the last call. The
-    /// storage is read as for the first time, the power may be any like the last one, and the income of the gap is not
-    /// told. Without `code` the node can afford nothing before its next reading.
     #[cold]
     #[inline(never)]
-    pub fn wake_after_unknown_gap(
+    pub(super) fn wake_after_unknown_gap(
         &self,
         state: &mut NodeState<P, SLOTS, ACTIONS>,
         code: Option<u32>,

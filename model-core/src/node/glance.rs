@@ -68,7 +68,7 @@ impl<const ACTIONS: usize> Thresholds<ACTIONS> {
         let drawn = storage.drawn(filter.standing * (1.0 + DEVIATIONS * parameters.spread.standing));
         let actions = parameters.actions.each_ref();
         let affordable = actions.map(|regular: &Regular| {
-            let energy = storage.lock_out() + storage.drawn(regular.action.energy() + parameters.reserve);
+            let energy = storage.lock_out() + storage.drawn(regular.energy + parameters.reserve);
             let above = 1.5 + DEVIATIONS * noise;
             (code(storage.voltage(energy)) + above).to_u32().saturating_add(1)
         });
@@ -365,7 +365,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         if let Some(last) = state.last_run.get_mut(index) {
             *last = state.second;
         }
-        self.spend(state, regular.action.energy());
+        self.spend(state, regular.energy);
     }
 
     /// Books the glances, and takes in the last one where the storage has since become full, or no longer is. `code` is that

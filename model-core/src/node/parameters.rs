@@ -1,6 +1,6 @@
 //! Parameters of a node.
 
-use crate::bounds::{Bounds, ParameterError};
+use crate::bounds::{Bounds, ParameterError, first_outside};
 use crate::energy::{Action, BudgetParameters, CorrectionParameters, ListeningParameters};
 use crate::scalar::Scalar;
 
@@ -84,10 +84,36 @@ pub struct Spread {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Regular {
-    /// The action.
-    pub action: Action<f32>,
+    /// Energy in J at the load, with the standing power of its time, 0 to 10⁶: what it takes at most.
+    pub energy: f32,
     /// Time from one to the next in s, 1 to 10⁷.
     pub every: u32,
+}
+
+impl Regular {
+    /// The first number outside its bounds, of the action with this index.
+    pub(super) const fn outside(&self, index: usize) -> Option<ParameterError<f32>> {
+        let [energy, every] = NAMES[if index < NAMES.len() { index } else { NAMES.len() - 1 }];
+        let rows = [(energy, self.energy, 0.0, 1e6), (every, self.every as f32, 1.0, 1e7)];
+        first_outside(&rows)
+    }
+
+    /// It as an action of the budget.
+    pub(super) fn action(&self) -> Action<f32> {
+        Action::at_once(self.energy)
+    }
+}
+
+/// An analogue-to-digital converter on the storage's voltage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Converter {
+    /// Resolution in bits, 4 to 16. Code `k` means that `k · full_scale / 2^bits` is the nearest voltage.
+    pub bits: u32,
+    /// Full scale in V, by the divider before it, 0.01 to 1000.
+    pub full_scale: f32,
+    /// Standard deviation of the noise of a reading in V, independent from reading to reading, 0 to `full_scale`.
+    pub noise: f32,
 }
 
 /// The reason why there is no node.
@@ -138,16 +164,13 @@ impl core::error::Error for NodeError {}
 pub(super) const MOST_BLOCKS: u32 = 64;
 /// Most samples of a sensor's start-up.
 pub(super) const MOST_START_UP: u32 = 10_000;
-/// Names of the intervals of the first actions in errors.
-const EVERY: [&str; 8] = [
-    "actions.0.every",
-    "actions.1.every",
-    "actions.2.every",
-    "actions.3.every",
-    "actions.4.every",
-    "actions.5.every",
-    "actions.6.every",
-    "actions.7.every",
+/// Names of the numbers of the first actions in errors; the last ones stand for all others.
+const NAMES: [[&str; 2]; 5] = [
+    ["actions.0.energy", "actions.0.every"],
+    ["actions.1.energy", "actions.1.every"],
+    ["actions.2.energy", "actions.2.every"],
+    ["actions.3.energy", "actions.3.every"],
+    ["actions.energy", "actions.every"],
 ];
 /// The numbers that belong to no other part, by name, with the least and the largest value of each. In single precision: a loop
 /// over literals in double precision would be converted by the firmware.
@@ -213,9 +236,9 @@ impl<const ACTIONS: usize> NodeParameters<ACTIONS> {
         for (value, &(field, lowest, highest)) in values.into_iter().zip(&BOUNDS) {
             Bounds { lowest, highest }.check(field, value)?;
         }
-        for (index, regular) in self.actions.iter().enumerate() {
-            let field = EVERY.get(index).copied().unwrap_or("actions.every");
-            Bounds::<f32> { lowest: 1.0, highest: 1e7 }.check(field, count(regular.every))?;
+        if let Some(error) = self.actions.iter().enumerate().find_map(|(index, action)| action.outside(index))
+        {
+            return Err(error);
         }
         Ok(())
     }

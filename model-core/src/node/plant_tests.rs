@@ -2,13 +2,13 @@
 
 use super::{
     Hearing, IncomeOfTime, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread,
-    Task, Wake,
+    Task, Tier, Wake,
 };
 use crate::energy::response_map::test_map::{FINGERPRINT, factors, head};
 use crate::energy::response_map::{COLUMNS, LOWER, PARTS, ROWS, TAIL, UPPER, seal};
 use crate::energy::{
-    Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
-    ResponseMap, StorageParameters,
+    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
+    StorageParameters,
 };
 use crate::excitation::LineBank;
 
@@ -128,10 +128,7 @@ impl Case {
                 power: 1e-4,
             },
             reserve: 1e-4,
-            actions: [Regular {
-                action: Action::new("send", self.action, 0.1).expect("valid"),
-                every: self.every,
-            }],
+            actions: [Regular { energy: self.action, every: self.every }],
         };
         Node::new(map, bank, parameters).expect("valid")
     }

@@ -2,7 +2,7 @@
 //! ends below the full storage.
 
 use super::plant_tests::{CASE, Case, LINE, OneNode, UNIT, line, map};
-use super::{NodeState, Progress, Task};
+use super::{Gap, NodeState, Progress, Task, Tier};
 
 /// A storage with an income by the second, a converter with normal noise, and the node, whose sensor hears a line while there is
 /// an income.
@@ -68,7 +68,7 @@ impl<'a, F: Fn(u32) -> f64> Tank<'a, F> {
             if off.contains(&self.second) {
                 self.pass(off.end - self.second, false);
                 let code = self.code();
-                wake = self.node.wake_after_gap(&mut state, self.second, Some(code));
+                wake = self.node.wake_after(&mut state, Gap::OffUntil(self.second), Some(code));
             } else {
                 let mut read = None;
                 match wake.task {

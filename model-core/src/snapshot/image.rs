@@ -25,7 +25,9 @@
 //! # Ok::<(), SnapshotError>(())
 //! ```
 
-use super::{Configuration, Fingerprint, Reader, Snapshot, SnapshotError, open, restore, save_with, size_of};
+use super::{
+    Configuration, Fingerprint, HEAD, Reader, Snapshot, SnapshotError, open, restore, save_with, size_of,
+};
 
 /// The states of a node as they were saved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,12 +106,25 @@ pub fn newest_image<C: Configuration>(
     slots: [&[u8]; 2],
 ) -> Result<Image<C::State>, SnapshotError> {
     let fingerprint = fingerprint(configuration);
-    let numbers =
-        slots.map(|bytes| restore::<(u32, C::State)>(fingerprint, bytes).map(|(sequence, _)| sequence));
-    let slot = newest_slot(numbers)?;
-    let [first, second] = slots;
-    let (sequence, state) = restore(fingerprint, if slot == 0 { first } else { second })?;
-    Ok(Image { state, sequence, slot })
+    // The one that is ahead by what it says is most often valid: the other one is then not read.
+    let number = |bytes: &[u8]| {
+        bytes.get(HEAD..).and_then(|state| state.first_chunk().copied()).map_or(0, u32::from_le_bytes)
+    };
+    let ahead = usize::from(is_later(number(slots[1]), number(slots[0])));
+    let read = |slot: usize| {
+        let bytes = slots.get(slot).copied().unwrap_or(&[]);
+        let (sequence, state) = restore(fingerprint, bytes)?;
+        Ok(Image { state, sequence, slot })
+    };
+    read(ahead).or_else(|error| {
+        read(1 - ahead).map_err(|other| {
+            if error == SnapshotError::NotASnapshot || (ahead == 1 && other != SnapshotError::NotASnapshot) {
+                other
+            } else {
+                error
+            }
+        })
+    })
 }
 
 /// The slot with the later number, by what was read of each.

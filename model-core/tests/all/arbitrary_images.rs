@@ -12,7 +12,7 @@ use model_core::energy::{
 use model_core::excitation::LineBank;
 use model_core::integrate::{Adaptive, ExponentialRadau, TrBdf2};
 use model_core::node::{
-    KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread, Task,
+    Gap, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread, Task, Tier,
 };
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::AnyContact;
@@ -211,7 +211,6 @@ type OneState = NodeState<32, 24, 2>;
 fn node() -> OneNode {
     let bytes: &[u8] = include_bytes!("../../../tests/tests/all/node_hours/node.bin");
     let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
-    let action = |name, energy| Action::new(name, energy, 0.1).expect("in bounds");
     let parameters = NodeParameters {
         budget: BudgetParameters {
             storage: storage(),
@@ -249,10 +248,7 @@ fn node() -> OneNode {
             power: 100e-6,
         },
         reserve: 1e-4,
-        actions: [
-            Regular { action: action("measure", 50e-6), every: 60 },
-            Regular { action: action("transmit", 100e-6), every: 300 },
-        ],
+        actions: [Regular { energy: 50e-6, every: 60 }, Regular { energy: 100e-6, every: 300 }],
     };
     let map = ResponseMap::new(bytes, fingerprint).expect("a map");
     let bank = LineBank::new(100.0, 20.13, 0.1, 9.806_65 / 1024.0).expect("in bounds");
@@ -290,9 +286,9 @@ fn a_node_of_arbitrary_bytes_is_refused_or_works() {
         judge(&node, &state, count(3000), |mut state| {
             let before = state.second();
             wake_some_times(&node, &mut state, 40, 2500, 0);
-            node.wake_after_gap(&mut state, before.saturating_add(7200), Some(2000));
+            node.wake_after(&mut state, Gap::OffUntil(before.saturating_add(7200)), Some(2000));
             wake_some_times(&node, &mut state, 40, 2100, 0);
-            node.wake_after_unknown_gap(&mut state, Some(2300));
+            node.wake_after(&mut state, Gap::Unknown, Some(2300));
             wake_some_times(&node, &mut state, 40, 2310, 0);
             assert!(state.second() >= before);
             let budget = state.budget();

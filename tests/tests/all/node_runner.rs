@@ -4,13 +4,13 @@ mod power_downs;
 
 use firmware_example::workload::response_map::contact_separation::{FINGERPRINT, MAP};
 use model_core::energy::{
-    Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
-    ResponseMap, StorageParameters,
+    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
+    StorageParameters,
 };
 use model_core::excitation::LineBank;
 use model_core::node::{
     Board, Fault, Gap, Hearing, IncomeOfTime, KnowingCost, Node, NodeError, NodeParameters, NodeState,
-    Progress, Regular, Runner, SaveError, Sensor, Spread, Step, Task,
+    Progress, Regular, Runner, SaveError, Sensor, Spread, Step, Task, Tier,
 };
 use model_core::snapshot::{self, SnapshotError};
 
@@ -20,11 +20,9 @@ const SLOT_BYTES: usize = 1024;
 
 type OneNode = Node<&'static [u16], 20, 32, 24, 2>;
 type OneState = NodeState<32, 24, 2>;
-type OneRunner = Runner<Bench, &'static [u16], 20, 32, 24, 2, 128>;
+type OneRunner = Runner<'static, Bench, OneNode>;
 
 fn parameters() -> NodeParameters<2> {
-    let regular =
-        |name, energy, every| Regular { action: Action::new(name, energy, 0.1).expect("valid"), every };
     NodeParameters {
         budget: BudgetParameters {
             storage: StorageParameters {
@@ -69,7 +67,7 @@ fn parameters() -> NodeParameters<2> {
             power: 100e-6,
         },
         reserve: 1e-3,
-        actions: [regular("measure", 50e-6, 60), regular("transmit", 300e-6, 300)],
+        actions: [Regular { energy: 50e-6, every: 60 }, Regular { energy: 300e-6, every: 300 }],
     }
 }
 
@@ -80,8 +78,8 @@ fn built(parameters: NodeParameters<2>, rate: f32, resonance: f32) -> Result<One
     Node::new(map, bank, parameters)
 }
 
-fn node() -> OneNode {
-    built(parameters(), RATE, 20.13).expect("valid")
+fn node() -> &'static OneNode {
+    Box::leak(Box::new(built(parameters(), RATE, 20.13).expect("valid")))
 }
 
 /// What a write to the memory of a [`Bench`] does.
@@ -369,13 +367,13 @@ fn what_was_learnt_survives_an_update_of_all_but_map_bank_slots_and_storage() {
         let mut parameters = parameters();
         change(&mut parameters);
         let node = built(parameters, RATE, 20.13).expect("valid");
-        let mut runner = OneRunner::new(board.clone(), node, board.second);
+        let mut runner = OneRunner::new(board.clone(), Box::leak(Box::new(node)), board.second);
         runner.resume(&mut [0; SLOT_BYTES], Gap::OnUntil(board.second))
     };
     let changes: [fn(&mut NodeParameters<2>); 9] = [
         |of| of.reserve *= 1.01,
         |of| of.actions[0].every += 1,
-        |of| of.actions[1].action = Action::new("transmit", 303e-6, 0.1).expect("valid"),
+        |of| of.actions[1].energy = 303e-6,
         |of| of.cost.listen *= 1.01,
         |of| of.cost.reading_share *= 1.01,
         |of| of.cost.shortest_reading += 1,

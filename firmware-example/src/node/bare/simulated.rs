@@ -2,16 +2,25 @@
 //! through three days, each listen, action and image included, and its stack is measured.
 
 use core::cell::UnsafeCell;
+use core::hint::black_box;
 
-use super::{PAGE, Register, Registers, run};
+use model_core::node::{Gap, Task, Tier, VoltageNode, VoltageState, Wake};
+use model_core::snapshot::{image_size, newest_image, save_image};
+
+use super::{BY_VOLTAGE, PAGE, Register, Registers, made, run};
+use crate::counter::Counter;
 use crate::node::IMAGE_BYTES;
-use crate::node::parts::{ACTIONS, BURST, ExampleNode, ExampleState, RATE};
+use crate::node::parts::{ACTIONS, ExampleNode, ExampleState, NODE, RATE};
 use crate::stack;
 use crate::stop::{Code, stop};
 
 /// Seconds of a life of the node; then it starts again from its image.
 const LIFE: u32 = 130_000;
 const LIVES: u32 = 2;
+/// Bytes of an image of the node by the voltage alone.
+const VOLTAGE_BYTES: usize = image_size::<VoltageNode<ACTIONS>>();
+/// Readings whose ticks are counted.
+const READINGS: u64 = 500;
 /// Codes by which an action lowers the storage, some 0.3 and 7 mJ of 47 mF.
 const DRAWN: [u32; ACTIONS] = [2, 36];
 /// Codes of the lowest and of the full storage: 2.2 V and 4.5 V of 5 V.
@@ -169,21 +178,67 @@ impl Registers for Simulated {
     }
 }
 
-/// Runs the program, and logs its deepest stack and what of it is known by its type, in bytes.
+/// Runs the program, and logs its deepest stack and what of it is known by its type, in bytes; then the ticks of its calls.
 pub fn measure() -> ! {
     stack::paint();
     for life in 1..=LIVES {
         run::<Simulated>(|second| second >= life * LIFE);
     }
-    let deepest = stack::deepest() as usize;
-    for (name, bytes) in [
-        ("stack", deepest),
-        ("node", size_of::<ExampleNode>()),
-        ("state", size_of::<ExampleState>()),
-        ("burst", size_of::<[i16; BURST]>()),
-        ("image", IMAGE_BYTES),
-    ] {
-        defmt::info!("bytes {=str} {=usize}", name, bytes);
+    let stack = stack::deepest() as usize;
+    if BY_VOLTAGE {
+        // In flash.
+        bytes(stack, [0, size_of::<VoltageState<ACTIONS>>(), VOLTAGE_BYTES]);
+        calls::<_, VOLTAGE_BYTES>(|| NODE);
+    } else {
+        bytes(stack, [size_of::<ExampleNode>(), size_of::<ExampleState>(), IMAGE_BYTES]);
+        calls::<_, IMAGE_BYTES>(made);
     }
     stop(Code::Done)
+}
+
+fn bytes(stack: usize, [node, state, image]: [usize; 3]) {
+    for (name, bytes) in [("stack", stack), ("node", node), ("state", state), ("image", image)] {
+        defmt::info!("bytes {=str} {=usize}", name, bytes);
+    }
+}
+
+/// Logs the ticks of a boot from an image, of a reading in the mean, and of the largest call.
+fn calls<N: Tier<State: Copy>, const IMAGE: usize>(make: impl Fn() -> N) {
+    let Some(peripherals) = cortex_m::Peripherals::take() else { stop(Code::Faulted) };
+    let counter = Counter::start(peripherals.SYST);
+    let mut largest = 0;
+    let mut ticks = |call: &mut dyn FnMut()| {
+        let before = counter.ticks();
+        call();
+        let took = counter.ticks() - before;
+        largest = took.max(largest);
+        took
+    };
+    let node = make();
+    let (mut state, mut image) = (node.start(0), [0; IMAGE]);
+    let (mut readings, mut spent, mut second) = (0, 0, 0);
+    let mut wake = Wake { task: Task::Sleep, again_in: 0, read: true };
+    while readings < READINGS {
+        if let Task::Listen { samples } = wake.task {
+            for _ in 0..samples.div_ceil(128) {
+                ticks(&mut || _ = black_box(node.samples(&mut state, &black_box([1000; 128]))));
+            }
+        }
+        second += wake.again_in;
+        let code = wake.read.then(|| 2600 + second / 200 % 400);
+        let took = ticks(&mut || wake = node.wake(&mut state, second, black_box(code)));
+        if code.is_some() {
+            (readings, spent) = (readings + 1, spent + took);
+        }
+    }
+    ticks(&mut || _ = black_box(save_image(&node, &state, 1, &mut image)));
+    let boot = ticks(&mut || {
+        let node = make();
+        let resumed = newest_image(&node, [&image, &image]);
+        state = resumed.map_or(node.start(second), |image| image.state);
+        wake = node.wake_after(&mut state, Gap::OnUntil(second), None);
+    });
+    for (name, ticks) in [("boot", boot), ("reading", spent / READINGS), ("largest", largest)] {
+        defmt::info!("ticks {=str} {=u64}", name, ticks);
+    }
 }

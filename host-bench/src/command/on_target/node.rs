@@ -13,7 +13,7 @@ use super::estimate_energy::{UNCONFIRMED, marked, parts};
 use super::output::Output;
 use crate::on_target::Error;
 use crate::on_target::core::Core;
-use crate::on_target::node::{self, Followed, calls};
+use crate::on_target::node::{self, Bare, Followed, calls};
 
 /// Runs the node of each core.
 ///
@@ -26,7 +26,10 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
         let found = node::follow(core, limit)?;
         hours(core, &found, output);
         counted(core, &found, output);
-        knowing(core, &found, output);
+        let shares = knowing(core, &found, output);
+        tier(core, "map", &found.bare, &shares, output);
+        let bare = node::bare(core, true, limit)?;
+        tier(core, "voltage", &bare, &of_voltage(core, &bare), output);
     }
     Ok(())
 }
@@ -113,26 +116,25 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
     let inside = hours.iter().filter(|hour| hour.is_inside()).count();
     let [readings, listens] = last.instruments;
     let [measured, transmitted] = last.ran;
-    let memory = found.memory;
-    let ram = found.bare.static_ram + memory.stack;
+    let Bare { size: bare, memory, .. } = found.bare;
+    let ram = bare.static_ram + memory.stack;
     let note = format!(
         "{core}. Income in uW until that time of the day, told with its bound, and that of the plant. Inside: {inside} of {} hours, of which
 {} have an income. {readings} readings, {listens} listens with a value, {measured} measurements, {transmitted} transmissions.
 By its own books the node spent {:.2} % of the income on knowing it.
 {} losses of power; after each the node came to the same bits. Each logged value has the host's bits.
 The node on a board takes {} bytes of flash, map included, and two pages for images of {IMAGE_BYTES} bytes. RAM: {} bytes, of which
-static {}, node {}, state {}, burst {}, image {}; the rest is stack.
+static {}, node {}, state {}, image {}; the rest is stack.
 With the log, the simulated memory and the plant: flash {}, static RAM {}, stack {}.",
         hours.len(),
         with_income.count(),
         100.0 * f64::from(last.knowing) / all.income,
         found.losses,
-        found.bare.flash,
+        bare.flash,
         ram,
-        found.bare.static_ram,
+        bare.static_ram,
         memory.node,
         memory.state,
-        memory.burst,
         memory.image,
         found.size.flash,
         found.size.static_ram,
@@ -147,15 +149,14 @@ With the log, the simulated memory and the plant: flash {}, static RAM {}, stack
         "listens": listens,
         "share_of_income": f64::from(last.knowing) / all.income,
         "losses_of_power": found.losses,
-        "flash_bytes": found.bare.flash,
-        "ram_bytes": found.bare.static_ram,
+        "flash_bytes": bare.flash,
+        "ram_bytes": bare.static_ram,
         "flash_bytes_with_plant": found.size.flash,
         "ram_bytes_with_plant": found.size.static_ram,
         "stack_bytes": memory.stack,
         "ram_with_stack_bytes": ram,
         "node_bytes": memory.node,
         "state_bytes": memory.state,
-        "burst_bytes": memory.burst,
         "stack_bytes_with_plant": found.stack,
         "image_bytes": IMAGE_BYTES,
     });
@@ -203,8 +204,59 @@ fn counted(core: Core, found: &Followed, output: &mut Output) {
     }
 }
 
+/// Income in W by which the share of the node by the voltage is stated, and its readings in an hour: each five minutes, and one at
+/// the end of an hour.
+const INCOME: f64 = 2.9e-6;
+const READINGS: f64 = 12.0;
+
+/// The shares of the income that the readings of a node by the voltage take, on the parts that have the core.
+fn of_voltage(core: Core, bare: &Bare) -> Vec<(&'static str, f64)> {
+    let [_, reading, _] = bare.instructions;
+    let share = |part: Processor<f64>| {
+        let model = CostModel::new(part, Accelerometer::adxl362());
+        let computing = model.processor.computing(reading, Code::Filter);
+        let energy = model.voltage_reading.value + model.start_energy() + computing;
+        (part.name, READINGS * energy / (3600.0 * INCOME))
+    };
+    parts(core).into_iter().map(share).collect()
+}
+
+/// Prints the size and the calls of a tier on a board.
+fn tier(core: Core, tier: &str, bare: &Bare, shares: &[(&'static str, f64)], output: &mut Output) {
+    let [boot, reading, largest] = bare.instructions;
+    let ram = bare.size.static_ram + bare.memory.stack;
+    let rows = shares.iter().map(|(part, share)| {
+        let counts = [bare.size.flash as f64, ram as f64, boot, reading, largest];
+        let cells = counts.into_iter().map(|count| format!("{count:.0}"));
+        [tier.to_owned(), (*part).to_owned()]
+            .into_iter()
+            .chain(cells)
+            .chain([format!("{:.3} %", 100.0 * share)])
+            .collect()
+    });
+    let note = format!(
+        "{core}. A node on a board: bytes, with the deepest stack in the RAM, and instructions of calls."
+    );
+    let header = vec!["tier", "part", "flash", "RAM", "boot", "reading", "largest call", "of the income"];
+    output.table(header, rows.collect(), 2, &note);
+    for (part, share) in shares {
+        output.object(json!({
+            "tier": tier,
+            "core": core.to_string(),
+            "part": part,
+            "flash_bytes": bare.size.flash,
+            "ram_bytes": ram,
+            "stack_bytes": bare.memory.stack,
+            "boot_instructions": boot,
+            "reading_instructions": reading,
+            "largest_call_instructions": largest,
+            "share_of_income": share,
+        }));
+    }
+}
+
 /// Prints the energy of knowing the income on the parts that have the core, by the counted instructions.
-fn knowing(core: Core, found: &Followed, output: &mut Output) {
+fn knowing(core: Core, found: &Followed, output: &mut Output) -> Vec<(&'static str, f64)> {
     let instructions = |works: &[Work]| -> f64 {
         let of = |name: &str| found.counted.iter().find(|counted| counted.work == name);
         works.iter().filter_map(|work| of(work.name())).map(|counted| counted.instructions).sum()
@@ -245,7 +297,7 @@ fn knowing(core: Core, found: &Followed, output: &mut Output) {
         ]
     });
     if lines.is_empty() {
-        return;
+        return Vec::new();
     }
     let note = format!(
         "{core}. Energy in uJ by the instructions of the table above, with sensor, transfer, wake-ups and converter: {readings} readings,
@@ -269,4 +321,5 @@ fn knowing(core: Core, found: &Followed, output: &mut Output) {
             "share_of_income": share,
         }));
     }
+    lines.iter().map(|(part, [.., share])| (part.name, *share)).collect()
 }

@@ -7,6 +7,8 @@ use super::Core;
 pub struct Instructions {
     /// Of a wake-up with a reading: filter, budget and decision.
     pub reading: f32,
+    /// Of one of the node by the voltage alone.
+    pub voltage: f32,
     /// Of a glance: a reading that is only compared.
     pub glance: f32,
     /// Of a sample in a listen.
@@ -20,9 +22,11 @@ pub struct Instructions {
 #[must_use]
 pub const fn node_instructions(core: Core) -> Instructions {
     match core {
-        Core::M0Plus => Instructions { reading: 37_000.0, glance: 560.0, sample: 40.0, block: 82_000.0 },
+        Core::M0Plus => {
+            Instructions { reading: 37_000.0, voltage: 4_600.0, glance: 560.0, sample: 40.0, block: 82_000.0 }
+        }
         Core::M4F | Core::M33 => {
-            Instructions { reading: 2_200.0, glance: 320.0, sample: 23.0, block: 15_000.0 }
+            Instructions { reading: 2_200.0, voltage: 480.0, glance: 320.0, sample: 23.0, block: 15_000.0 }
         }
     }
 }

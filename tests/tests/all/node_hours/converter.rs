@@ -1,7 +1,7 @@
 //! Converters that do not answer, or answer with glitches.
 
 use model_core::energy::cost::Processor;
-use model_core::node::Task;
+use model_core::node::{Task, Tier};
 
 use super::plant::{OneNode, OneState};
 use super::truth::Kind;

@@ -2,14 +2,16 @@
 
 use model_core::energy::cost::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
 use model_core::energy::{
-    Action, BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters,
-    ResponseMap, StorageParameters,
+    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
+    StorageParameters,
 };
 use model_core::excitation::LineBank;
 use model_core::node::{
-    IncomeOfTime, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread, Task, Wake,
+    Converter, Gap, IncomeOfTime, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor,
+    Spread, Task, Tier, Tolerances, VoltageNode, VoltageParameters, VoltageState, Wake,
 };
 
+use super::difference::Difference;
 use super::truth::{Kind, Shaking, acceleration};
 
 /// Random numbers by SplitMix64.
@@ -75,6 +77,109 @@ pub(super) struct Plant {
     pub(super) action: f64,
     /// Highest voltage of the storage over the stated one.
     pub(super) highest: f64,
+    /// Capacitance over the stated one.
+    pub(super) capacitance: f64,
+}
+
+/// All as stated.
+pub(super) const AS_STATED: Plant = Plant { standing: 1.0, action: 1.0, highest: 1.0, capacitance: 1.0 };
+
+/// A node as the plant sees it.
+pub(super) trait Strategy {
+    type State: Clone;
+    fn begin(&self) -> Self::State;
+    fn call(&self, state: &mut Self::State, now: u32, code: Option<u32>) -> Wake;
+    fn after_lock_out(&self, state: &mut Self::State, now: u32, code: u32) -> Wake;
+    fn take(&self, _state: &mut Self::State, _samples: &[i16]) -> Progress {
+        Progress::Idle
+    }
+    fn last_hour(state: &Self::State) -> Option<IncomeOfTime>;
+    /// Energy in J that the estimate itself has taken.
+    fn spent(&self, state: &Self::State) -> f64;
+    fn facts(&self) -> Facts;
+}
+
+/// What the plant needs of a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Facts {
+    storage: StorageParameters<f32>,
+    standing: f64,
+    action: f64,
+    /// Of what is read, where it is not in [`Strategy::spent`].
+    glance: f64,
+}
+
+impl Strategy for OneNode {
+    type State = OneState;
+
+    fn begin(&self) -> OneState {
+        self.start(0)
+    }
+
+    fn call(&self, state: &mut OneState, now: u32, code: Option<u32>) -> Wake {
+        self.wake(state, now, code)
+    }
+
+    fn after_lock_out(&self, state: &mut OneState, now: u32, code: u32) -> Wake {
+        self.wake_after_lock_out(state, now, Some(code))
+    }
+
+    fn take(&self, state: &mut OneState, samples: &[i16]) -> Progress {
+        self.samples(state, samples)
+    }
+
+    fn last_hour(state: &OneState) -> Option<IncomeOfTime> {
+        state.last_hour()
+    }
+
+    fn spent(&self, state: &OneState) -> f64 {
+        state.spent_on_knowing().into()
+    }
+
+    fn facts(&self) -> Facts {
+        let NodeParameters { budget, actions: [action], .. } = self.parameters();
+        let glance = self.glance().unwrap_or(0.0).into();
+        Facts {
+            storage: budget.storage,
+            standing: budget.standing_power.into(),
+            action: action.energy.into(),
+            glance,
+        }
+    }
+}
+
+impl Strategy for VoltageNode<1> {
+    type State = VoltageState<1>;
+
+    fn begin(&self) -> VoltageState<1> {
+        self.start(0)
+    }
+
+    fn call(&self, state: &mut VoltageState<1>, now: u32, code: Option<u32>) -> Wake {
+        self.wake(state, now, code)
+    }
+
+    fn after_lock_out(&self, state: &mut VoltageState<1>, now: u32, code: u32) -> Wake {
+        self.wake_after(state, Gap::LockedOutUntil(now), Some(code))
+    }
+
+    fn last_hour(state: &VoltageState<1>) -> Option<IncomeOfTime> {
+        state.last_hour()
+    }
+
+    fn spent(&self, state: &VoltageState<1>) -> f64 {
+        f64::from(state.readings()) * f64::from(self.parameters().reading)
+    }
+
+    fn facts(&self) -> Facts {
+        let VoltageParameters { storage, standing_power, actions: [action], .. } = self.parameters();
+        Facts {
+            storage: *storage,
+            standing: (*standing_power).into(),
+            action: action.energy.into(),
+            glance: 0.0,
+        }
+    }
 }
 
 /// An hour that a node has told.
@@ -92,16 +197,14 @@ pub(super) struct Hour {
 
 /// What came of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Run {
+pub(super) struct Run<S> {
     pub(super) hours: Vec<Hour>,
     /// Energy spent on knowing over the true income.
     pub(super) share: f64,
     pub(super) lock_outs: u32,
-    pub(super) listens: u32,
-    pub(super) readings: u32,
     pub(super) actions: u32,
     pub(super) shunted: f64,
-    pub(super) state: OneState,
+    pub(super) state: S,
 }
 
 fn rate(kind: Kind) -> f64 {
@@ -114,7 +217,68 @@ fn accelerometer(kind: Kind) -> Accelerometer<f64> {
 
 const BLOCKS: u32 = 1;
 
+/// Energies in J of what the estimate takes.
+struct Costs {
+    listen: f64,
+    reading: f64,
+    glance: f64,
+}
+
 impl Build {
+    fn costs(&self, samples: u32) -> Costs {
+        let cost = CostModel::new(self.processor, accelerometer(self.kind));
+        let Instructions { reading, glance, sample, block, .. } = node_instructions(self.processor.core);
+        let instructions = f64::from(samples) * f64::from(sample) + f64::from(BLOCKS) * f64::from(block);
+        let listen =
+            cost.listen(samples, rate(self.kind), instructions, Code::Filter).expect("a rate").total();
+        Costs { listen, reading: self.reading(reading.into()), glance: self.reading(glance.into()) }
+    }
+
+    /// Energy in J of a reading of so many instructions.
+    fn reading(&self, instructions: f64) -> f64 {
+        let cost = CostModel::new(self.processor, accelerometer(self.kind));
+        cost.voltage_reading.value
+            + cost.processor.wake_up_energy()
+            + cost.processor.computing(instructions, Code::Filter)
+    }
+
+    fn storage(&self, scale: f64) -> StorageParameters<f32> {
+        StorageParameters {
+            capacitor: Capacitor {
+                capacitance: (self.capacitance / scale) as f32,
+                leakage_resistance: f32::INFINITY,
+            },
+            charging_efficiency: 1.0,
+            discharging_efficiency: 1.0,
+            highest_voltage: 4.5,
+            lock_out_voltage: 1.8,
+            turn_on_voltage: 2.2,
+        }
+    }
+
+    /// The node of the voltage alone, on a storage whose capacitance is known to a tolerance.
+    pub(super) fn voltage_node(&self, scale: f64, capacitance: f32) -> VoltageNode<1> {
+        let small = |energy: f64| (energy / scale) as f32;
+        let instructions = f64::from(node_instructions(self.processor.core).voltage);
+        let parameters = VoltageParameters {
+            storage: self.storage(scale),
+            converter: Converter { bits: 12, full_scale: 5.0, noise: CONVERTER_NOISE as f32 },
+            standing_power: small(self.standing),
+            reading: small(self.reading(instructions)),
+            intervals: [60, 300],
+            tolerances: Tolerances { standing: self.spread as f32, capacitance, ..Tolerances::EXACT },
+            largest_power: small(10.0 * self.income),
+            reserve: small(self.reserve),
+            actions: [Regular { energy: small(self.action), every: self.every }],
+        };
+        parameters.build().expect("valid")
+    }
+
+    /// The difference of two readings on the same storage.
+    pub(super) fn difference(&self, scale: f64, capacitance: f32) -> Difference {
+        Difference::new(self.voltage_node(scale, capacitance))
+    }
+
     /// The node; energies over `scale`, so that the map of the harvester as it is fits.
     pub(super) fn node(&self, map: Bytes, scale: f64) -> OneNode {
         let fingerprint = u32::from_le_bytes([map[6], map[7], map[8], map[9]]);
@@ -123,30 +287,11 @@ impl Build {
         let rate = rate(self.kind);
         let bank = LineBank::new(rate as f32, resonance as f32, half as f32, UNIT as f32).expect("fits");
         let sensor = accelerometer(self.kind);
-        let samples = bank.block() as u32 * BLOCKS;
-        let cost = CostModel::new(self.processor, sensor);
-        let Instructions { reading: wake, glance, sample, block } = node_instructions(self.processor.core);
-        let instructions = f64::from(samples) * f64::from(sample) + f64::from(BLOCKS) * f64::from(block);
-        let listen = cost.listen(samples, rate, instructions, Code::Filter).expect("a rate").total();
-        let reading = |instructions: f32| {
-            cost.voltage_reading.value
-                + cost.processor.wake_up_energy()
-                + cost.processor.computing(instructions.into(), Code::Filter)
-        };
+        let Costs { listen, reading, glance } = self.costs(bank.block() as u32 * BLOCKS);
         let small = |energy: f64| (energy / scale) as f32;
         let parameters = NodeParameters {
             budget: BudgetParameters {
-                storage: StorageParameters {
-                    capacitor: Capacitor {
-                        capacitance: small(self.capacitance),
-                        leakage_resistance: f32::INFINITY,
-                    },
-                    charging_efficiency: 1.0,
-                    discharging_efficiency: 1.0,
-                    highest_voltage: 4.5,
-                    lock_out_voltage: 1.8,
-                    turn_on_voltage: 2.2,
-                },
+                storage: self.storage(scale),
                 income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
                 standing_power: small(self.standing),
             },
@@ -172,7 +317,7 @@ impl Build {
             },
             cost: KnowingCost {
                 listen: small(listen),
-                reading: small(reading(wake)),
+                reading: small(reading),
                 reading_share: 0.4 * self.share as f32,
                 shortest_reading: 60,
                 reading_doublings: 6,
@@ -186,23 +331,25 @@ impl Build {
                 power: small(10.0 * self.income),
             },
             reserve: small(self.reserve),
-            actions: [Regular {
-                action: Action::new("transmit", small(self.action), 0.1).expect("valid"),
-                every: self.every,
-            }],
+            actions: [Regular { energy: small(self.action), every: self.every }],
         };
         let node = Node::new(map, bank, parameters).expect("valid");
-        node.with_glances(small(reading(glance))).expect("valid")
+        node.with_glances(small(glance)).expect("valid")
     }
 }
 
 /// A plant with its node, in the units of the node.
-pub(super) struct World<'a> {
-    node: &'a OneNode,
+pub(super) struct World<'a, N> {
+    node: &'a N,
+    facts: Facts,
     rate: f64,
     minutes: &'a [f64],
     shaking: &'a [Shaking],
     plant: Plant,
+    seed: u64,
+    /// Second of the last reading, and readings before it in that second.
+    read: u64,
+    repeated: u64,
     random: Source,
     energy: f64,
     is_on: bool,
@@ -213,21 +360,25 @@ pub(super) struct World<'a> {
     lock_outs: u32,
 }
 
-impl<'a> World<'a> {
+impl<'a, N: Strategy> World<'a, N> {
     /// At 3 V.
     pub(super) fn new(
         build: &Build,
-        node: &'a OneNode,
+        node: &'a N,
         (minutes, shaking): (&'a [f64], &'a [Shaking]),
         plant: Plant,
         seed: u64,
     ) -> Self {
         let mut world = Self {
             node,
+            facts: node.facts(),
             rate: rate(build.kind),
             minutes,
             shaking,
             plant,
+            seed,
+            read: u64::MAX,
+            repeated: 0,
             random: Source(seed),
             energy: 0.0,
             is_on: true,
@@ -245,7 +396,7 @@ impl<'a> World<'a> {
     }
 
     fn capacitance(&self) -> f64 {
-        self.node.parameters().budget.storage.capacitor.capacitance.into()
+        f64::from(self.facts.storage.capacitor.capacitance) * self.plant.capacitance
     }
 
     /// Energy at a voltage.
@@ -255,9 +406,8 @@ impl<'a> World<'a> {
 
     /// Advances by some seconds, or up to a lock-out.
     fn advance(&mut self, seconds: u32) {
-        let parameters = self.node.parameters().budget;
-        let draw = f64::from(parameters.standing_power) * self.plant.standing;
-        let capacity = self.at(parameters.storage.highest_voltage) * self.plant.highest.powi(2);
+        let draw = self.facts.standing * self.plant.standing;
+        let capacity = self.at(self.facts.storage.highest_voltage) * self.plant.highest.powi(2);
         for _ in 0..seconds {
             let draw = if self.is_on { draw } else { 0.0 };
             let income = self.minutes.get(self.second() as usize / 60).map_or(0.0, |minute| minute / 60.0);
@@ -281,22 +431,25 @@ impl<'a> World<'a> {
 
     /// Whether the node is on and its storage below the lock-out: it is then off, and the lock-out is counted.
     fn locks_out(&mut self) -> bool {
-        let lock_out = self.at(self.node.parameters().budget.storage.lock_out_voltage);
+        let lock_out = self.at(self.facts.storage.lock_out_voltage);
         let locks_out = self.is_on && self.energy <= lock_out;
         self.is_on &= !locks_out;
         self.lock_outs += u32::from(locks_out);
         locks_out
     }
 
+    /// Of the same noise at the same time for each strategy.
     fn code(&mut self) -> u32 {
-        let noise = CONVERTER_NOISE * self.random.normal();
+        let second = u64::from(self.second());
+        self.repeated = if self.read == second { self.repeated + 1 } else { 0 };
+        self.read = second;
+        let noise = CONVERTER_NOISE * Source(self.seed ^ (second << 20) ^ (self.repeated << 56)).normal();
         let voltage = (2.0 * self.energy / self.capacitance()).max(0.0).sqrt() + noise;
         (voltage / CELL).round().clamp(0.0, 4095.0) as u32
     }
 
     /// Hands the samples of a listen over in bursts, unless its energy locks the node out.
-    fn listen(&mut self, state: &mut OneState, samples: u32) {
-        self.spend(self.node.parameters().cost.listen.into());
+    fn listen(&mut self, state: &mut N::State, samples: u32) {
         if !self.is_on {
             return;
         }
@@ -310,13 +463,13 @@ impl<'a> World<'a> {
             counts.push(((value + GRAVITY) / UNIT + NOISE_COUNTS * self.random.normal()).round() as i16);
         }
         for burst in counts.chunks(170) {
-            assert!(self.node.samples(state, burst) != Progress::Idle);
+            assert!(self.node.take(state, burst) != Progress::Idle);
         }
         self.advance((f64::from(samples) / self.rate).ceil() as u32);
     }
 
     /// Sleeps, and wakes the node.
-    fn sleep(&mut self, state: &mut OneState, wake: Wake) -> Wake {
+    fn sleep(&mut self, state: &mut N::State, wake: Wake) -> Wake {
         self.advance(wake.again_in);
         let code = (wake.read && self.is_on).then(|| self.code());
         self.wake(state, code)
@@ -324,25 +477,21 @@ impl<'a> World<'a> {
 
     /// Wakes the node, after a lock-out when the storage has reached its turn-on voltage. What a glance or a reading takes
     /// leaves the storage.
-    fn wake(&mut self, state: &mut OneState, code: Option<u32>) -> Wake {
-        let [before, _] = state.instruments();
+    fn wake(&mut self, state: &mut N::State, code: Option<u32>) -> Wake {
+        let before = self.node.spent(state);
         let (wake, is_read) = if self.is_on {
-            (self.node.wake(state, self.second(), code), code.is_some())
+            (self.node.call(state, self.second(), code), code.is_some())
         } else {
-            let turn_on = self.at(self.node.parameters().budget.storage.turn_on_voltage);
+            let turn_on = self.at(self.facts.storage.turn_on_voltage);
             while self.energy < turn_on && self.is_going_on() {
                 self.advance(1);
             }
             self.is_on = true;
             let code = self.code();
-            (self.node.wake_after_lock_out(state, self.second(), Some(code)), true)
+            (self.node.after_lock_out(state, self.second(), code), true)
         };
-        let [after, _] = state.instruments();
-        let spent = match after - before {
-            0 if is_read => f64::from(self.node.glance().unwrap_or(0.0)),
-            readings => f64::from(readings) * f64::from(self.node.parameters().cost.reading),
-        };
-        self.spend(spent);
+        let spent = self.node.spent(state) - before;
+        self.spend(if spent == 0.0 && is_read { self.facts.glance } else { spent });
         wake
     }
 
@@ -365,18 +514,17 @@ impl<'a> World<'a> {
     }
 
     /// Runs the node over all minutes. `between` is called after each wake between two sleeps.
-    pub(super) fn run(mut self, mut between: impl FnMut(OneState) -> OneState) -> Run {
-        let mut state = self.node.start(0);
+    pub(super) fn run(mut self, mut between: impl FnMut(N::State) -> N::State) -> Run<N::State> {
+        let mut state = self.node.begin();
         let (mut actions, mut hours) = (0, Vec::new());
         let code = self.code();
         let mut wake = self.wake(&mut state, Some(code));
-        let mut last = state.last_hour();
+        let mut last = N::last_hour(&state);
         while self.is_going_on() {
             wake = match wake.task {
                 Task::Run(_) => {
                     actions += 1;
-                    let energy = f64::from(self.node.parameters().actions[0].action.energy());
-                    self.spend(energy * self.plant.action);
+                    self.spend(self.facts.action * self.plant.action);
                     self.wake(&mut state, None)
                 }
                 Task::Listen { samples } => {
@@ -388,16 +536,15 @@ impl<'a> World<'a> {
             if wake.task == Task::Sleep {
                 state = between(state);
             }
-            if state.last_hour() != last {
-                last = state.last_hour();
+            if N::last_hour(&state) != last {
+                last = N::last_hour(&state);
                 hours.extend(last.map(|told| self.hour(told)));
             }
         }
-        let [readings, listens] = state.instruments();
         let income = self.income[self.second() as usize];
-        let share = f64::from(state.spent_on_knowing()) / income;
+        let share = self.node.spent(&state) / income;
         let lock_outs = self.lock_outs;
-        Run { hours, share, lock_outs, listens, readings, actions, shunted: self.shunted / income, state }
+        Run { hours, share, lock_outs, actions, shunted: self.shunted / income, state }
     }
 }
 
@@ -407,9 +554,9 @@ fn a_lock_out_within_a_sleep_and_one_by_an_action_are_counted() {
     let node = build.node(super::map(build.kind), 1.0);
     // Half an hour without income, and one with 1 mJ a minute: at its end the storage is full again.
     let minutes: Vec<f64> = (0..60).map(|minute| if minute < 30 { 0.0 } else { 1e-3 }).collect();
-    let plant = Plant { standing: 1.0, action: 1.0, highest: 1.0 };
+    let plant = AS_STATED;
     let mut world = World::new(&build, &node, (&minutes, &[]), plant, 1);
-    let lock_out = world.at(node.parameters().budget.storage.lock_out_voltage);
+    let lock_out = world.at(world.facts.storage.lock_out_voltage);
     let mut state = node.start(0);
     // Enough for 1000 s of the standing power.
     world.energy = lock_out + 1000.0 * build.standing;
@@ -429,7 +576,7 @@ fn a_lock_out_within_a_sleep_and_one_by_an_action_are_counted() {
 fn the_hours_of_a_lock_out_are_inside_their_bounds() {
     let build = super::build(Kind::ContactSeparation, Processor::nrf52832(), 1e-3, 0.01);
     let node = build.node(super::map(build.kind), 1.0);
-    let plant = Plant { standing: 1.0, action: 1.0, highest: 1.0 };
+    let plant = AS_STATED;
     let mut lock_outs = 0;
     for later in [600.0, 1200.0, 2400.0] {
         for income in [0.1e-6, 1e-6, 5e-6] {
@@ -437,7 +584,7 @@ fn the_hours_of_a_lock_out_are_inside_their_bounds() {
             let minutes: Vec<f64> =
                 (0..360).map(|minute| if minute < 120 { 0.0 } else { 60.0 * income }).collect();
             let mut world = World::new(&build, &node, (&minutes, &[]), plant, 1);
-            let lock_out = world.at(node.parameters().budget.storage.lock_out_voltage);
+            let lock_out = world.at(world.facts.storage.lock_out_voltage);
             world.energy = lock_out + (3600.0 + later) * build.standing;
             let run = world.run(|state| state);
             lock_outs += run.lock_outs;

@@ -7,7 +7,7 @@
 use model_core::energy::ResponseMap;
 use model_core::energy::cost::Processor;
 
-use super::plant::{Plant, Run, Source, World};
+use super::plant::{AS_STATED, OneState, Plant, Run, Source, World};
 use super::truth::{Kind, Shaking, tone};
 use super::{Errors, INCOME, build, map};
 
@@ -41,12 +41,12 @@ const WAVERING: Case = Case {
 };
 
 impl Case {
-    fn run(&self) -> Run {
+    fn run(&self) -> Run<OneState> {
         self.run_with(|_| {})
     }
 
     /// Runs, and calls `each` with the gain of the map and its bound at each sleep.
-    fn run_with(&self, mut each: impl FnMut([f64; 2])) -> Run {
+    fn run_with(&self, mut each: impl FnMut([f64; 2])) -> Run<OneState> {
         let kind = Kind::ContactSeparation;
         let bytes = map(kind);
         let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
@@ -68,7 +68,7 @@ impl Case {
         let build = build(kind, Processor::nrf52832(), self.capacitance, self.spread);
         let node = build.node(bytes, build.income / mean);
         minutes.iter_mut().for_each(|minute| *minute *= self.gain);
-        let plant = Plant { standing: 1.0, action: 1.0, highest: self.highest };
+        let plant = Plant { highest: self.highest, ..AS_STATED };
         World::new(&build, &node, (&minutes, &shaking), plant, 7).run(|state| {
             each(state.gain().map(f64::from));
             state
@@ -76,7 +76,7 @@ impl Case {
     }
 }
 
-fn sum(run: &Run, of: fn(&super::Hour) -> f64) -> f64 {
+fn sum(run: &Run<OneState>, of: fn(&super::Hour) -> f64) -> f64 {
     run.hours.iter().map(of).sum()
 }
 

@@ -1,0 +1,494 @@
+//! The node that knows its income by the voltage of its storage alone: no sensor, no map, no bursts.
+//!
+//! The income of a time is what the storage gained and what left it. With the stored energy `E`, the standing power `s`, the
+//! energy `u` of actions and readings, the leakage `λ E`, and the efficiencies `η` of charging and `δ` of discharging,
+//!
+//! ```text
+//! η income = E(end) − E(begin) + (s t + u)/δ + ∫ λ E dt.
+//! ```
+//!
+//! A reading replaces `E`, because any income may have come since the one before; readings of one second average their noise. At
+//! the end of an hour the node reads again at once while the noise is an eighth or more of what is uncertain of the hour.
+//!
+//! The errors of the standing power, the actions, the leakage, the capacitance and the converter's reference are the same at all
+//! times: they count by the whole energy that they are of, and no bound falls with time as if they averaged out.
+
+mod parameters;
+#[cfg(test)]
+mod tests;
+
+pub use parameters::{Tolerances, VoltageParameters};
+
+use super::parameters::Regular;
+use super::state::{BOUND, IncomeOfTime};
+use super::{Gap, HOUR, StoreReading, Task, Tier, Wake, real};
+use crate::scalar::Scalar;
+use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
+
+/// Most readings at the end of an hour.
+const MOST_READINGS: u32 = 8;
+/// Part of the variance of an hour below which the noise of its last reading needs no other one.
+const NOISE_PART: f32 = 0.125;
+/// Standard deviations beyond what is possible from which a reading must be confirmed.
+const GATE: f32 = 6.0;
+/// Relative error of the sums of ten years by rounding.
+const ROUNDING: f32 = 1e-5;
+
+/// A node that knows its income by the voltage of its storage. Energies are in J at the storage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VoltageNode<const ACTIONS: usize> {
+    parameters: VoltageParameters<ACTIONS>,
+    /// Energy over the square of the code.
+    per_code: f32,
+    full_code: u32,
+    /// Variances in J of a reading over the energy: of one, and of what lasts from one to the next.
+    noise: f32,
+    lasting: f32,
+    /// Energy from which on the storage may be full, and at the lock-out.
+    full: f32,
+    lock_out: f32,
+    /// Part of the energy that leaks in a second.
+    leakage_rate: f32,
+    drawn_per_used: f32,
+    per_stored: f32,
+    /// Standing power, and the largest income, in W.
+    standing: f32,
+    largest: f32,
+    /// Relative variances: of all changes of the energy, and of the leakage.
+    scale: f32,
+    leakage: f32,
+}
+
+/// The energies of a time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Books {
+    seconds: u32,
+    silent: u32,
+    /// The energy at its begin; the variances of that, and of what happened once.
+    begin: f32,
+    of_begin: f32,
+    once: f32,
+    /// What left the storage: by the standing power, by actions and readings, by leakage.
+    standing: f32,
+    spent: f32,
+    leaked: f32,
+    /// What a full storage is taken to have shunted, and how far that may be off.
+    shunted: f32,
+    doubt: f32,
+}
+
+snapshot_fields!(impl [] Books {
+    seconds, silent, begin, of_begin, once, standing, spent, leaked, shunted, doubt,
+} if |books| {
+    books.of_begin >= 0.0 && books.once >= 0.0 && books.doubt >= 0.0
+});
+
+impl Books {
+    /// Goes on to the end of another time, which began at the end of this one.
+    fn add(&mut self, other: &Self) {
+        self.seconds = self.seconds.saturating_add(other.seconds);
+        self.silent = self.silent.saturating_add(other.silent);
+        self.once += other.once;
+        self.standing += other.standing;
+        self.spent += other.spent;
+        self.leaked += other.leaked;
+        self.shunted += other.shunted;
+        self.doubt += other.doubt;
+    }
+}
+
+/// The state of a [`VoltageNode`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VoltageState<const ACTIONS: usize> {
+    second: u32,
+    /// The stored energy in J at the last reading that was used, its variance, and whether it is known.
+    read: f32,
+    variance: f32,
+    is_located: bool,
+    /// The code that the next reading must confirm, or 0.
+    doubted: u32,
+    reading: Option<StoreReading>,
+    /// Seconds since that reading, and since the last attempt; what was drawn and leaked since, without an income, in J.
+    since: u32,
+    attempted: u32,
+    out: f32,
+    leaked: f32,
+    /// Income in J of the last interval, its variance, and its seconds.
+    income: f32,
+    of_income: f32,
+    over: u32,
+    /// Seconds after which a reading was asked for; the largest number if none was.
+    asked: u32,
+    /// Readings in turn at the end of the hour.
+    repeated: u32,
+    readings: u32,
+    /// Since the begin of the hour, and since the start up to there.
+    hour: Books,
+    closed: Books,
+    last_hour: Option<IncomeOfTime>,
+    /// Seconds since each action.
+    rested: [u32; ACTIONS],
+}
+
+snapshot_fields!(impl [const ACTIONS: usize] VoltageState<ACTIONS> {
+    second, read, variance, is_located, doubted, reading, since, attempted, out, leaked, income, of_income, over, asked, repeated,
+    readings, hour, closed, last_hour, rested,
+} if |state| {
+    state.variance >= 0.0 && state.of_income >= 0.0
+});
+
+impl<const ACTIONS: usize> VoltageState<ACTIONS> {
+    /// The income of the last hour; of a longer time if the storage could not be read at its end. `None` before the first.
+    #[must_use]
+    pub fn last_hour(&self) -> Option<IncomeOfTime> {
+        self.last_hour
+    }
+
+    /// Power in W into the storage between the last two readings, and its bound.
+    #[must_use]
+    pub fn power(&self) -> [f32; 2] {
+        let per_time = 1.0 / real(self.over.max(1));
+        [Scalar::max(self.income, 0.0) * per_time, BOUND * Scalar::sqrt(self.of_income) * per_time]
+    }
+
+    /// Stored energy in J without the income since the last reading, and its bound, by the stated capacitance.
+    #[must_use]
+    pub fn stored(&self) -> [f32; 2] {
+        [Scalar::max(self.energy(), 0.0), BOUND * Scalar::sqrt(self.variance)]
+    }
+
+    /// The energy that is stored if there was no income since the last reading.
+    fn energy(&self) -> f32 {
+        self.read - self.out - self.leaked
+    }
+
+    /// A reading was used.
+    fn begin_interval(&mut self, read: f32) {
+        (self.read, self.out, self.leaked, self.since) = (read, 0.0, 0.0, 0);
+    }
+
+    /// What the last reading of the voltage was good for; `None` before the first.
+    #[must_use]
+    pub fn last_reading(&self) -> Option<StoreReading> {
+        self.reading
+    }
+
+    /// Number of readings.
+    #[must_use]
+    pub fn readings(&self) -> u32 {
+        self.readings
+    }
+}
+
+impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
+    /// The parameters.
+    #[must_use]
+    pub const fn parameters(&self) -> &VoltageParameters<ACTIONS> {
+        &self.parameters
+    }
+
+    /// The income since the start.
+    #[must_use]
+    pub fn overall(&self, state: &VoltageState<ACTIONS>) -> IncomeOfTime {
+        let mut all = state.closed;
+        all.add(&state.hour);
+        self.income(&all, state)
+    }
+
+    /// The variance of the income of a time up to the last reading.
+    fn uncertainty(&self, books: &Books, state: &VoltageState<ACTIONS>) -> f32 {
+        let Tolerances { standing, action, .. } = self.parameters.tolerances;
+        let change = state.read - books.begin;
+        let [standing, spent] = [standing * books.standing, action * books.spent];
+        let rounding = ROUNDING * (books.standing + books.spent + books.leaked);
+        books.of_begin
+            + books.once
+            + state.variance
+            + standing * standing
+            + spent * spent
+            + rounding * rounding
+            + self.scale * change * change
+            + self.leakage * books.leaked * books.leaked
+    }
+
+    /// The income of a time up to the last reading.
+    #[inline(never)]
+    fn income(&self, books: &Books, state: &VoltageState<ACTIONS>) -> IncomeOfTime {
+        let gone = books.standing + books.spent + books.leaked + books.shunted - state.out;
+        let deviation = Scalar::sqrt(self.uncertainty(books, state));
+        IncomeOfTime {
+            seconds: books.seconds.saturating_sub(state.since),
+            energy: self.per_stored * Scalar::max(state.read - books.begin + gone, 0.0),
+            bound: self.per_stored * (BOUND * deviation + books.doubt),
+            silent: books.silent,
+        }
+    }
+
+    /// Books energy in J at the load that is spent now.
+    fn spend(&self, state: &mut VoltageState<ACTIONS>, used: f32) {
+        let drawn = self.drawn_per_used * used;
+        state.out += drawn;
+        state.hour.spent += drawn;
+    }
+
+    /// Advances the time to `now`. Of an interval in which the clock went back nothing is said.
+    fn advance(&self, state: &mut VoltageState<ACTIONS>, now: u32, is_on: bool) -> u32 {
+        let seconds = now.saturating_sub(state.second);
+        state.is_located &= now >= state.second;
+        state.second = now;
+        if seconds == 0 {
+            return 0;
+        }
+        let ages = [&mut state.since, &mut state.attempted, &mut state.hour.seconds];
+        for age in ages.into_iter().chain(&mut state.rested) {
+            *age = age.saturating_add(seconds);
+        }
+        if !state.is_located {
+            state.hour.silent = state.hour.silent.saturating_add(seconds);
+            return seconds;
+        }
+        let time = real(seconds);
+        let standing = if is_on { self.standing * time } else { 0.0 };
+        let ratio = Scalar::min(self.leakage_rate * time, 1.0);
+        let energy = state.energy();
+        state.leaked += ratio * (energy - 0.5 * (standing + ratio * energy));
+        state.out += standing;
+        state.hour.standing += standing;
+        seconds
+    }
+
+    /// Takes in a reading of the voltage.
+    #[inline(never)]
+    fn observe(&self, state: &mut VoltageState<ACTIONS>, code: u32) {
+        let code = code.min(self.full_code);
+        let read = self.per_code * real(code * code);
+        let noise = self.noise * read;
+        if !state.is_located && code > 0 {
+            // What changed while it was unknown is no income.
+            let jump = read - state.read + state.out;
+            state.hour.begin += jump;
+            state.closed.begin += jump;
+            state.hour.once += state.variance + noise;
+            (state.variance, state.is_located, state.reading) = (noise, true, Some(StoreReading::Silent));
+            state.begin_interval(read);
+            return;
+        }
+        let time = real(state.since);
+        let (energy, ratio, most) = (state.energy(), self.leakage_rate * time, self.largest * time);
+        let leaked = if ratio < 1.0 {
+            // An income since the last reading has leaked for half of the time.
+            state.leaked + 0.5 * ratio * (read - energy)
+        } else {
+            // By the trapezoid; the storage cannot leak more than it has.
+            Scalar::min(0.5 * ratio * (state.read + read), state.read + most)
+        };
+        let (out, of_both) = (state.out + leaked, state.variance + noise);
+        let income = read - state.read + out;
+        // No income is below 0 or above the largest one, and what left may be twice what is booked.
+        let beyond = Scalar::max(-income, income - most) - out;
+        let is_possible = code > 0 && (beyond <= 0.0 || beyond * beyond <= GATE * GATE * of_both);
+        let is_confirmed = state.doubted > 0 && code.abs_diff(state.doubted) <= code / 64 + 2;
+        if !is_possible && !is_confirmed {
+            state.doubted = if state.doubted > 0 { 0 } else { code };
+            state.reading = Some(StoreReading::Refused);
+            return;
+        }
+        state.doubted = 0;
+        state.reading = Some(StoreReading::Used);
+        if state.since == 0 {
+            let part = state.variance / of_both;
+            state.variance = Scalar::max(part * noise, self.lasting * read);
+            state.begin_interval(energy + part * (read - energy));
+            return;
+        }
+        state.variance = noise;
+        state.hour.leaked += leaked;
+        let curved = leaked * Scalar::min(ratio, 12.0) * (1.0 / 12.0);
+        state.hour.once += curved * curved;
+        if code == self.full_code || read + out >= self.full {
+            let usual = state.income * time / real(state.over.max(1));
+            let guess = Scalar::min(Scalar::max(usual, income), Scalar::max(most, income));
+            state.hour.shunted += guess - income;
+            state.hour.doubt += Scalar::max(most - income, 0.0);
+            state.hour.silent = state.hour.silent.saturating_add(state.since);
+            state.reading = Some(StoreReading::Silent);
+            (state.income, state.of_income) = (guess, most * most);
+        } else {
+            (state.income, state.of_income) = (income, of_both);
+        }
+        state.over = state.since;
+        state.begin_interval(read);
+    }
+
+    /// Time from a reading to the next in s: half of that in which the storage fills up, within the intervals.
+    fn interval(&self, state: &VoltageState<ACTIONS>) -> u32 {
+        let [shortest, longest] = self.parameters.intervals;
+        let room = (self.full - state.read) * real(state.over);
+        if room >= 2.0 * state.income * real(longest) {
+            return longest;
+        }
+        (room / (2.0 * state.income)).to_u32().max(shortest).min(longest)
+    }
+
+    /// Whether an action leaves the reserve, and by the bound of the energy no less than the lock-out, if there was no income since
+    /// the last reading.
+    fn grants(&self, state: &VoltageState<ACTIONS>, action: &Regular) -> bool {
+        let above = state.energy() - self.lock_out;
+        let left = above - self.drawn_per_used * action.energy;
+        let variance = state.variance + self.scale * above * above;
+        state.is_located
+            && left >= self.drawn_per_used * self.parameters.reserve
+            && left * left >= BOUND * BOUND * variance
+    }
+
+    /// What to do now; `is_read` is whether the voltage was read.
+    #[inline(never)]
+    fn decide(&self, state: &mut VoltageState<ACTIONS>, is_read: bool) -> Wake {
+        let sleep = |again_in: u32, read| Wake { task: Task::Sleep, again_in, read };
+        if state.doubted > 0 {
+            return sleep(1, true);
+        }
+        if is_read && state.is_located && state.since == 0 && state.hour.seconds >= HOUR {
+            let uncertain = self.uncertainty(&state.hour, state);
+            let lasting = 2.0 * self.lasting * state.read;
+            let is_noisy = state.variance > Scalar::max(NOISE_PART * uncertain, lasting);
+            if is_noisy && state.repeated + 1 < MOST_READINGS {
+                state.repeated += 1;
+                return sleep(0, true);
+            }
+            self.close_hour(state);
+        }
+        let mut next = HOUR.saturating_sub(state.hour.seconds);
+        let reading = self.interval(state).saturating_sub(state.attempted).max(1);
+        if next == 0 {
+            next = reading;
+        }
+        for (index, action) in self.parameters.actions.iter().enumerate() {
+            if !self.grants(state, action) {
+                continue;
+            }
+            let Some(rested) = state.rested.get_mut(index) else { continue };
+            if *rested >= action.every {
+                *rested = 0;
+                self.spend(state, action.energy);
+                return Wake { task: Task::Run(index), again_in: 0, read: false };
+            }
+            next = next.min(action.every - *rested);
+        }
+        let hour = HOUR.saturating_sub(state.hour.seconds);
+        let again_in = next.min(reading);
+        sleep(again_in, again_in == reading || again_in == hour)
+    }
+
+    fn close_hour(&self, state: &mut VoltageState<ACTIONS>) {
+        state.last_hour = Some(self.income(&state.hour, state));
+        let (begin, of_begin) = (state.read - state.out, state.variance);
+        let hour = core::mem::replace(&mut state.hour, Books { begin, of_begin, ..Books::default() });
+        state.closed.add(&hour);
+        state.repeated = 0;
+    }
+
+    /// Ends a time with a reading or without one, which `is_missing` if it was asked for.
+    fn conclude(&self, state: &mut VoltageState<ACTIONS>, code: Option<u32>, is_missing: bool) -> Wake {
+        if let Some(code) = code {
+            self.observe(state, code);
+        } else if is_missing {
+            state.doubted = 0;
+        }
+        if code.is_some() || is_missing {
+            (state.attempted, state.readings) = (0, state.readings.saturating_add(1));
+            self.spend(state, self.parameters.reading);
+        }
+        let wake = self.decide(state, code.is_some());
+        state.asked = if wake.read { wake.again_in } else { u32::MAX };
+        wake
+    }
+
+    /// Books that any energy up to what the node draws at most in so many seconds has left, as far as it was there.
+    fn draw_at_most(&self, state: &mut VoltageState<ACTIONS>, seconds: u32, with_standing: bool) {
+        let VoltageParameters { reading, intervals: [shortest, _], tolerances, actions, .. } =
+            &self.parameters;
+        let mut power = reading / real(*shortest);
+        for action in actions {
+            power += action.energy / real(action.every);
+        }
+        power *= self.drawn_per_used;
+        if with_standing {
+            power += self.standing * (1.0 + BOUND * tolerances.standing);
+        }
+        let there = Scalar::max(state.read - self.lock_out, 0.0) + self.largest * real(seconds);
+        // Each energy is as likely.
+        let half = 0.5 * Scalar::min(power * real(seconds), there);
+        state.out += half;
+        state.hour.spent += half;
+        state.hour.once += half * half * (1.0 / 3.0);
+    }
+}
+
+impl<const ACTIONS: usize> Tier for VoltageNode<ACTIONS> {
+    fn start(&self, second: u32) -> VoltageState<ACTIONS> {
+        VoltageState {
+            second,
+            read: 0.0,
+            variance: 0.0,
+            is_located: false,
+            doubted: 0,
+            reading: None,
+            since: 0,
+            attempted: 0,
+            out: 0.0,
+            leaked: 0.0,
+            income: 0.0,
+            of_income: 0.0,
+            over: 0,
+            asked: u32::MAX,
+            repeated: 0,
+            readings: 0,
+            hour: Books::default(),
+            closed: Books::default(),
+            last_hour: None,
+            rested: [0; ACTIONS],
+        }
+    }
+
+    fn second(state: &VoltageState<ACTIONS>) -> u32 {
+        state.second
+    }
+
+    #[inline(never)]
+    fn wake(&self, state: &mut VoltageState<ACTIONS>, now: u32, code: Option<u32>) -> Wake {
+        let seconds = self.advance(state, now, true);
+        let is_missing = code.is_none() && seconds >= state.asked;
+        self.conclude(state, code, is_missing)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn wake_after(&self, state: &mut VoltageState<ACTIONS>, gap: Gap, code: Option<u32>) -> Wake {
+        let (now, is_on) = match gap {
+            Gap::OnUntil(now) => (now, true),
+            Gap::OffUntil(now) | Gap::LockedOutUntil(now) => (now, false),
+            Gap::Unknown => (state.second, false),
+        };
+        state.doubted = 0;
+        state.is_located &= gap != Gap::Unknown;
+        let seconds = self.advance(state, now, is_on);
+        let is_off = matches!(gap, Gap::OffUntil(_));
+        if state.is_located && seconds > 0 && !is_off {
+            self.draw_at_most(state, seconds, !is_on);
+        }
+        self.conclude(state, code, false)
+    }
+}
+
+impl<const ACTIONS: usize> Configuration for VoltageNode<ACTIONS> {
+    type State = VoltageState<ACTIONS>;
+
+    /// Of the storage and its converter alone: what was learnt survives other intervals, energies and tolerances.
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("voltage");
+        let Self { per_code, full_code, leakage_rate, lock_out, .. } = *self;
+        fingerprint.numbers(&[per_code, leakage_rate, lock_out]);
+        fingerprint.numbers(&[full_code, ACTIONS as u32]);
+    }
+}

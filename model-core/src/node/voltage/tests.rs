@@ -1,0 +1,335 @@
+//! The node on a tank whose energy is counted in double precision, second by second.
+
+use super::*;
+use crate::energy::{Capacitor, StorageParameters};
+use crate::node::Converter;
+
+const STATED: VoltageParameters<2> = VoltageParameters {
+    storage: StorageParameters {
+        capacitor: Capacitor { capacitance: 10e-3, leakage_resistance: 10e6 },
+        charging_efficiency: 0.8,
+        discharging_efficiency: 0.9,
+        highest_voltage: 4.5,
+        lock_out_voltage: 1.8,
+        turn_on_voltage: 2.2,
+    },
+    converter: Converter { bits: 12, full_scale: 5.0, noise: 0.6e-3 },
+    standing_power: 1e-6,
+    reading: 0.3e-6,
+    intervals: [60, 300],
+    tolerances: Tolerances::EXACT,
+    largest_power: 100e-6,
+    reserve: 40e-3,
+    actions: [Regular { energy: 300e-6, every: 60 }, Regular { energy: 3e-3, every: 600 }],
+};
+/// In flash.
+static NODE: VoltageNode<2> = node(STATED);
+
+const fn node(parameters: VoltageParameters<2>) -> VoltageNode<2> {
+    match parameters.build() {
+        Ok(node) => node,
+        Err(_) => panic!("within bounds"),
+    }
+}
+
+/// Without actions that it could afford.
+static IDLE: VoltageNode<2> =
+    node(VoltageParameters { actions: [Regular { energy: 1.0, every: 60 }; 2], ..STATED });
+
+/// How the tank differs from what is stated.
+#[derive(Clone, Copy)]
+struct Off {
+    capacitance: f64,
+    leakage: f64,
+    standing: f64,
+    action: f64,
+    reference: f64,
+}
+
+/// Before anything is known.
+const FIRST: Wake = Wake { task: Task::Sleep, again_in: 0, read: true };
+const NOT: Off = Off { capacitance: 1.0, leakage: 1.0, standing: 1.0, action: 1.0, reference: 1.0 };
+
+#[derive(Clone)]
+struct Tank {
+    off: Off,
+    /// Income in W by the second.
+    income: fn(u32) -> f64,
+    second: u32,
+    energy: f64,
+    harvested: f64,
+    shunted: f64,
+    random: u64,
+    ran: [u32; 2],
+    /// Hours in all and inside their bounds; the sum of bounds over the truth.
+    hours: [u32; 2],
+    silent: u32,
+    begun: f64,
+    wake: Wake,
+}
+
+impl Tank {
+    fn new(off: Off, income: fn(u32) -> f64) -> Self {
+        let energy = 0.5 * 10e-3 * off.capacitance * 9.0;
+        let (ran, hours) = ([0; 2], [0; 2]);
+        Self {
+            off,
+            income,
+            second: 0,
+            energy,
+            harvested: 0.0,
+            shunted: 0.0,
+            random: 7,
+            ran,
+            hours,
+            silent: 0,
+            begun: 0.0,
+            wake: FIRST,
+        }
+    }
+
+    fn code(&mut self) -> u32 {
+        let mut normal = -6.0;
+        for _ in 0..12 {
+            self.random =
+                self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            normal += (self.random >> 11) as f64 / (1_u64 << 53) as f64;
+        }
+        let voltage = (self.energy * 200.0 / self.off.capacitance).sqrt() * self.off.reference;
+        ((voltage + 0.6e-3 * normal) / 5.0 * 4096.0).round() as u32
+    }
+
+    fn live(&mut self, seconds: u32, is_on: bool) {
+        let full = 0.5 * 10e-3 * self.off.capacitance * 4.5 * 4.5;
+        for _ in 0..seconds {
+            let income = (self.income)(self.second);
+            let voltage_squared = self.energy * 200.0 / self.off.capacitance;
+            let standing = if is_on { 1e-6 * self.off.standing / 0.9 } else { 0.0 };
+            self.energy += 0.8 * income - standing - voltage_squared * self.off.leakage / 10e6;
+            self.shunted += (self.energy - full).max(0.0);
+            self.energy = self.energy.min(full);
+            self.harvested += income;
+            self.second += 1;
+        }
+    }
+
+    /// Runs the node up to a second, and until it is idle.
+    fn run(&mut self, node: &VoltageNode<2>, state: &mut VoltageState<2>, until: u32) {
+        let mut last = state.last_hour();
+        while self.second < until || self.wake.task != Task::Sleep {
+            let (readings, mut code) = (state.readings(), None);
+            match self.wake.task {
+                Task::Run(index) => {
+                    self.energy -= [300e-6, 3e-3][index] * self.off.action / 0.9;
+                    self.ran[index] += 1;
+                }
+                _ => {
+                    self.live(self.wake.again_in, true);
+                    code = self.wake.read.then(|| self.code());
+                }
+            }
+            self.wake = node.wake(state, self.second, code);
+            self.energy -= f64::from(state.readings() - readings) * 0.3e-6 / 0.9;
+            assert!(self.energy > 0.5 * 10e-3 * self.off.capacitance * 1.8 * 1.8, "{} s", self.second);
+            if state.last_hour() != last {
+                last = state.last_hour();
+                self.judge(last.expect("an hour"));
+            }
+        }
+    }
+
+    fn judge(&mut self, hour: IncomeOfTime) {
+        let truth = self.harvested - self.begun;
+        self.begun = self.harvested;
+        let is_inside = (f64::from(hour.energy) - truth).abs() <= f64::from(hour.bound);
+        self.hours = [self.hours[0] + 1, self.hours[1] + u32::from(is_inside)];
+        self.silent += u32::from(hour.silent > 0);
+    }
+}
+
+/// By day 9 to 15 µW from hour to hour, by night nothing.
+fn day(second: u32) -> f64 {
+    if second / 3600 % 24 < 20 { 9e-6 + 2e-6 * f64::from(second / 3600 % 4) } else { 0.0 }
+}
+
+#[test]
+fn the_hours_and_the_sum_of_thirty_days_are_inside_their_bounds_whatever_part_is_off() {
+    let exact = Tolerances::EXACT;
+    for (off, tolerances) in [
+        (NOT, exact),
+        (Off { standing: 1.2, ..NOT }, Tolerances { standing: 0.12, ..exact }),
+        (Off { standing: 0.8, ..NOT }, Tolerances { standing: 0.12, ..exact }),
+        (Off { action: 1.05, ..NOT }, Tolerances { action: 0.03, ..exact }),
+        (Off { capacitance: 0.8, ..NOT }, Tolerances { capacitance: 0.115, ..exact }),
+        (Off { capacitance: 1.2, ..NOT }, Tolerances { capacitance: 0.115, ..exact }),
+        (Off { leakage: 2.0, ..NOT }, Tolerances { leakage: 0.6, ..exact }),
+        (Off { reference: 1.02, ..NOT }, Tolerances { reference: 0.012, ..exact }),
+    ] {
+        let node = node(VoltageParameters { tolerances, ..STATED });
+        let mut tank = Tank::new(off, day);
+        let mut state = node.start(0);
+        tank.run(&node, &mut state, 5 * 86_400);
+        let first = node.overall(&state);
+        tank.run(&node, &mut state, 30 * 86_400);
+        let sum = node.overall(&state);
+        let error = (f64::from(sum.energy) - tank.harvested).abs();
+        assert!(error <= f64::from(sum.bound), "{sum:?} {} {tolerances:?}", tank.harvested);
+        let [hours, inside] = tank.hours;
+        assert!(
+            hours > 700 && f64::from(inside) >= 0.97 * f64::from(hours),
+            "{inside} of {hours}, {tolerances:?}"
+        );
+        // What is wrong with a part stays wrong: the bound does not average it out.
+        let relative = |income: IncomeOfTime| income.bound / income.energy;
+        let is_lasting = tolerances.standing + tolerances.action + tolerances.leakage > 0.0;
+        assert!(!is_lasting || relative(sum) > 0.9 * relative(first), "{first:?} {sum:?}");
+        // The actions are what the income pays for, and leave the reserve.
+        assert!(tank.ran[0] > 15_000, "{:?}", tank.ran);
+    }
+}
+
+#[test]
+fn the_whole_error_of_an_hour_is_that_of_its_readings() {
+    // 24 µJ a reading by noise and cell at 3 V: two of them of 29 mJ.
+    let mut tank = Tank::new(NOT, |_| 10e-6);
+    let mut state = NODE.start(0);
+    tank.run(&NODE, &mut state, 20 * 3600);
+    let hour = state.last_hour().expect("an hour");
+    assert!(hour.bound < 2.5 * 1.5 * 24e-6 / 0.8 && hour.bound > 5e-6, "{hour:?}");
+    assert!(tank.hours[0] == 19 && tank.hours[1] >= 18, "{:?}", tank.hours);
+    let [power, bound] = state.power();
+    assert!((power - 8e-6).abs() < bound && bound < 0.5e-6, "{power} {bound}");
+}
+
+#[test]
+fn a_full_storage_is_silent_and_its_bound_has_what_is_shunted() {
+    let mut tank = Tank::new(NOT, |second| if second < 20_000 { 20e-6 } else { 40e-6 });
+    let mut state = IDLE.start(0);
+    tank.run(&IDLE, &mut state, 12 * 3600);
+    assert_eq!(state.last_reading(), Some(StoreReading::Silent));
+    assert!(tank.shunted > 0.3 && tank.silent >= 8, "{} {}", tank.shunted, tank.silent);
+    assert_eq!(tank.hours[0], tank.hours[1]);
+    let sum = IDLE.overall(&state);
+    assert!(
+        (f64::from(sum.energy) - tank.harvested).abs() <= f64::from(sum.bound),
+        "{sum:?} {}",
+        tank.harvested
+    );
+}
+
+#[test]
+fn the_income_of_a_gap_is_inside_its_bound() {
+    for (gap, is_on) in [
+        (Gap::OnUntil as fn(u32) -> Gap, true),
+        (Gap::OffUntil, false),
+        (Gap::LockedOutUntil, false),
+        (|_| Gap::Unknown, false),
+    ] {
+        let mut tank = Tank::new(NOT, day);
+        let mut state = NODE.start(0);
+        tank.run(&NODE, &mut state, 6 * 3600 + 1000);
+        let image = state;
+        if gap(0) != Gap::OffUntil(0) {
+            // What is done after the image is lost.
+            tank.run(&NODE, &mut state, 6 * 3600 + 2800);
+        }
+        let begun = tank.harvested;
+        tank.live(3000, is_on);
+        state = image;
+        let before = NODE.overall(&state);
+        let code = tank.code();
+        tank.wake = NODE.wake_after(&mut state, gap(tank.second), Some(code));
+        let clock = tank.second - state.second;
+        assert_eq!(clock, if gap(0) == Gap::Unknown { tank.second - image.second } else { 0 });
+        let after = NODE.overall(&state);
+        // Of the gap that no clock knows nothing is said.
+        let truth = if clock > 0 {
+            0.0
+        } else {
+            tank.harvested - begun + f64::from(after.seconds - before.seconds - 3000) * day(22_600)
+        };
+        let (income, bound) = (f64::from(after.energy - before.energy), f64::from(after.bound));
+        assert!((income - truth).abs() <= bound && bound < 0.5, "{:?}: {income} {truth} {bound}", gap(1));
+        tank.second -= clock;
+        tank.begun = tank.harvested;
+        let first = state.last_hour();
+        while state.last_hour() == first {
+            tank.run(&NODE, &mut state, tank.second + 60);
+        }
+        let hours = tank.hours;
+        tank.run(&NODE, &mut state, tank.second + 4 * 3600);
+        assert_eq!(tank.hours[1] - hours[1], tank.hours[0] - hours[0], "{:?}", gap(1));
+    }
+}
+
+#[test]
+fn a_clock_that_goes_back_does_not_stop_the_node() {
+    let mut tank = Tank::new(NOT, |_| 10e-6);
+    let mut state = NODE.start(50_000);
+    tank.second = 50_000;
+    tank.run(&NODE, &mut state, 50_000 + 4 * 3600 + 100);
+    let (hours, ran) = (tank.hours, tank.ran);
+    tank.second -= 40_000;
+    tank.run(&NODE, &mut state, 10_000 + 4 * 3600 + 8000);
+    // Of the interval in which the clock was set nothing is said.
+    assert!(tank.hours[0] > hours[0] && tank.hours[1] + 1 >= tank.hours[0], "{:?}", tank.hours);
+    assert!(tank.ran[0] > ran[0] + 20);
+}
+
+#[test]
+fn a_glitch_is_refused_and_a_lasting_change_is_taken_after_a_second_reading() {
+    let mut tank = Tank::new(NOT, |_| 10e-6);
+    let mut state = IDLE.start(0);
+    tank.run(&IDLE, &mut state, 4000);
+    let [stored, _] = state.stored();
+    for code in [0, 3300, 4095, 1700] {
+        let mut glitched = state;
+        let wake = IDLE.wake(&mut glitched, tank.second + 1, Some(code));
+        assert_eq!(glitched.last_reading(), Some(StoreReading::Refused), "{code}");
+        assert!((glitched.stored()[0] - stored).abs() < 1e-3);
+        if code > 0 {
+            assert_eq!(wake, Wake { task: Task::Sleep, again_in: 1, read: true });
+            let mut changed = glitched;
+            IDLE.wake(&mut changed, tank.second + 2, Some(code));
+            assert!((changed.stored()[0] - IDLE.per_code * (code * code) as f32).abs() < 4e-3, "{code}");
+        }
+        let right = tank.code();
+        IDLE.wake(&mut glitched, tank.second + 2, Some(right));
+        assert!((glitched.stored()[0] - stored).abs() < 1e-3, "{code}");
+    }
+    // A converter that does not answer is asked again after the usual time.
+    let wake = IDLE.wake(&mut state, tank.second + 300, None);
+    assert!(wake.again_in > 50, "{wake:?}");
+}
+
+#[test]
+fn parameters_are_refused_by_name_and_images_of_other_storages_too() {
+    let refused = |change: fn(&mut VoltageParameters<2>)| {
+        let mut parameters = STATED;
+        change(&mut parameters);
+        parameters.build().expect_err("out of bounds").field
+    };
+    assert_eq!(refused(|p| p.storage.capacitor.capacitance = f32::NAN), "capacitance");
+    assert_eq!(refused(|p| p.storage.lock_out_voltage = 4.6), "lock_out_voltage");
+    assert_eq!(refused(|p| p.converter.bits = 17), "bits");
+    assert_eq!(refused(|p| p.intervals = [60, 30]), "intervals.1");
+    assert_eq!(refused(|p| p.tolerances.capacitance = 0.31), "tolerances.capacitance");
+    assert_eq!(refused(|p| p.actions[1].every = 0), "actions.1.every");
+    // What was learnt survives an update of anything but the storage and its converter.
+    let identity = |parameters: VoltageParameters<2>| {
+        let mut fingerprint = Fingerprint::new();
+        node(parameters).identify(&mut fingerprint);
+        fingerprint.value()
+    };
+    let same = identity(STATED);
+    let tolerances = Tolerances { standing: 0.1, ..Tolerances::EXACT };
+    for updated in [
+        VoltageParameters { standing_power: 1.01e-6, reading: 0.303e-6, reserve: 40.4e-3, ..STATED },
+        VoltageParameters { intervals: [61, 303], tolerances, largest_power: 101e-6, ..STATED },
+        VoltageParameters { actions: [Regular { energy: 303e-6, every: 61 }; 2], ..STATED },
+    ] {
+        assert_eq!(identity(updated), same);
+    }
+    let converter = Converter { full_scale: 5.05, ..STATED.converter };
+    assert_ne!(identity(VoltageParameters { converter, ..STATED }), same);
+}
