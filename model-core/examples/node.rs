@@ -8,12 +8,11 @@
 
 use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor, node_instructions};
 use model_core::energy::{
-    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
-    StorageParameters,
+    BudgetParameters, Capacitor, IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
 };
 use model_core::excitation::LineBank;
 use model_core::node::{
-    Board, Fault, Gap, KnowingCost, Node, NodeParameters, Regular, Runner, Sensor, Spread, Step,
+    Board, Converter, Fault, Gap, KnowingCost, Node, NodeParameters, Regular, Runner, Sensor, Spread, Step,
 };
 
 /// The map: charge per second into a storage of 1.8 to 4.6 V. Its head has the command that made it.
@@ -82,12 +81,10 @@ fn parameters() -> Result<(NodeParameters<ACTIONS>, f32), Box<dyn std::error::Er
             income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
             standing_power, // W at the load
         },
-        converter: CorrectionParameters {
+        converter: Converter {
             bits: BITS,
             full_scale: FULL_SCALE, // V
             noise: 0.6e-3,          // V, one standard deviation of a reading: measure it
-            gain_deviation: 0.5, // a harvester off its map by a factor of 1.5 or so; 1.0 if it was never measured
-            gain_drift: 0.02,    // change of that factor in an hour, by temperature
         },
         listening: ListeningParameters {
             share: 0.006,    // of the income, for listens
@@ -110,9 +107,11 @@ fn parameters() -> Result<(NodeParameters<ACTIONS>, f32), Box<dyn std::error::Er
             reading_doublings: 6, // up to 60 · 2⁶ s, 64 minutes
         },
         spread: Spread {
-            standing: 0.05,        // the standing power was measured to 5 %; 0.2 by data sheets
-            action: 0.02,          // the energy of an action to 2 %
-            income: 0.5, // the income changes by a half of its mean in an hour, until listens show it
+            gain: 0.5,          // a harvester off its map by a factor of 1.5 or so; 1.0 if it was never measured
+            gain_drift: 0.02,   // change of that factor in an hour, by temperature
+            standing: 0.05,     // the standing power was measured to 5 %; 0.2 by data sheets
+            action: 0.02,       // the energy of an action to 2 %
+            income: 0.5,        // the income changes by a half of its mean in an hour, until listens show it
             gain_by_place: 0.2, // the factor of the map changes by 20 % where the yield is e times another one
             highest_voltage: 0.03, // 4.5 V to 3 %, the ADC's reference included
             power: 100e-6,      // W, the largest power of such a harvester

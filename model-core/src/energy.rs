@@ -3,7 +3,6 @@
 mod account;
 mod action;
 mod budget;
-mod correction;
 pub mod cost;
 pub mod estimator;
 mod forecast;
@@ -14,12 +13,10 @@ mod meter;
 mod queries;
 pub mod response_map;
 mod storage;
-pub(crate) mod truncated_normal;
 
 pub use account::Account;
 pub use action::Action;
 pub use budget::{Budget, BudgetParameters, BudgetState};
-pub use correction::{Correction, CorrectionEstimate, CorrectionParameters, CorrectionState, Reading};
 pub use estimator::{Estimate, Estimator, Uncertainty};
 pub use income::IncomeParameters;
 pub use ledger::{Ledger, Residual};

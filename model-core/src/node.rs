@@ -115,14 +115,13 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         parameters.check()?;
         parameters.check_rate(bank.rate())?;
         let budget = parameters.budget.build().map_err(of_part("budget"))?;
-        parameters.converter.build(budget.storage()).map_err(of_part("converter"))?;
         if !bank.frequencies().any(|frequency| map.has_frequency(frequency)) {
             return Err(NodeError::Band { band: bank.band() });
         }
         let samples = bank.block() as u32 * parameters.sensor.blocks;
         let all = samples + parameters.sensor.start_up;
         let seconds = real(all) / parameters.sensor.rate;
-        let converter = parameters.converter;
+        let NodeParameters { converter, spread, .. } = parameters;
         let codes = 1_u32 << converter.bits.min(16);
         let cell = converter.full_scale / real(codes);
         let standing = parameters.budget.standing_power;
@@ -137,8 +136,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
             noise: Scalar::max(converter.noise, Filter::least_noise(cell)),
             lasting: Filter::lasting_variance(converter.noise / cell),
             full_code: codes - 1,
-            gain_variance: converter.gain_deviation * converter.gain_deviation,
-            gain_drift: converter.gain_drift * converter.gain_drift * (1.0 / 3600.0),
+            gain_variance: spread.gain * spread.gain,
+            gain_drift: spread.gain_drift * spread.gain_drift * (1.0 / 3600.0),
             power: parameters.spread.power,
         };
         Ok(Self {
@@ -329,6 +328,8 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
         self.decide(state)
     }
 
+    #[cold]
+    #[inline(never)]
     fn wake_after(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, gap: Gap, code: Option<u32>) -> Wake {
         match gap {
             Gap::OnUntil(now) if now == state.second() => {

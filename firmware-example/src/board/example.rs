@@ -6,11 +6,10 @@ use model_core::energy::cost::{
 };
 use model_core::energy::response_map::MapError;
 use model_core::energy::{
-    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
-    StorageParameters,
+    BudgetParameters, Capacitor, IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
 };
 use model_core::excitation::{ExcitationError, LineBank};
-use model_core::node::{KnowingCost, Node, NodeError, NodeParameters, Regular, Sensor, Spread};
+use model_core::node::{Converter, KnowingCost, Node, NodeError, NodeParameters, Regular, Sensor, Spread};
 
 use super::adxl362::{Range, Rate};
 use crate::workload::response_map::contact_separation;
@@ -95,13 +94,7 @@ pub fn node() -> Result<ExampleNode, ExampleError> {
             income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
             standing_power,
         },
-        converter: CorrectionParameters {
-            bits: 12,
-            full_scale: FULL_SCALE,
-            noise: 1e-3,
-            gain_deviation: 0.5,
-            gain_drift: 0.05,
-        },
+        converter: Converter { bits: 12, full_scale: FULL_SCALE, noise: 1e-3 },
         listening: ListeningParameters {
             share: 8e-3,
             error: 0.02,
@@ -124,6 +117,8 @@ pub fn node() -> Result<ExampleNode, ExampleError> {
             reading_doublings: 6,
         },
         spread: Spread {
+            gain: 0.5,
+            gain_drift: 0.05,
             standing: 0.2,
             action: 0.1,
             income: 0.3,

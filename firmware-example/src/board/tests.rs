@@ -422,6 +422,5 @@ fn a_sensor_that_does_not_answer_is_a_fault() {
     // 200 samples a second; at most 149 of the 170 that the FIFO holds.
     assert_eq!((board.sleep(2, 0), board.sleep(2, 100), board.sleep(2, 1000)), (2000, 500, 745));
     assert_eq!(board.sleep(0, 100), 0);
-    assert_eq!(128.min(149), 128, "a burst fits the FIFO");
     spi.done();
 }

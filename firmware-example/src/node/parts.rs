@@ -4,8 +4,7 @@ use model_core::bounds::ParameterError;
 use model_core::energy::cost::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
 use model_core::energy::response_map::MapError;
 use model_core::energy::{
-    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
-    StorageParameters,
+    BudgetParameters, Capacitor, IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
 };
 use model_core::excitation::{ExcitationError, LineBank};
 use model_core::node::{
@@ -138,13 +137,7 @@ impl Part {
                 income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
                 standing_power,
             },
-            converter: CorrectionParameters {
-                bits: BITS,
-                full_scale: FULL_SCALE,
-                noise: CONVERTER_NOISE,
-                gain_deviation: 1.0,
-                gain_drift: 0.1,
-            },
+            converter: Converter { bits: BITS, full_scale: FULL_SCALE, noise: CONVERTER_NOISE },
             listening: ListeningParameters {
                 share: 0.6 * SHARE,
                 error: 0.02,
@@ -167,6 +160,8 @@ impl Part {
                 reading_doublings: 6,
             },
             spread: Spread {
+                gain: 1.0,
+                gain_drift: 0.1,
                 standing: 0.2,
                 action: 0.02,
                 income: 0.5,

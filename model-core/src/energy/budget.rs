@@ -257,7 +257,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     }
 
     /// Sets the stored energy by a measured voltage in V with an error of at most `error` in V, by quantisation and
-    /// noise. [`Correction`](super::Correction) combines such readings with the income of a model.
+    /// noise. A [`VoltageNode`](crate::node::VoltageNode) makes an income of such readings.
     ///
     /// A voltage or an error that is negative or not finite is refused and counted. A voltage that, less its
     /// error, exceeds the highest voltage of the storage is refused and counted too.

@@ -13,7 +13,7 @@
 //! its integral, and to the variance of the integral. Between two known powers the integral is then the trapezoid, with
 //! the variance `q t³/12`: that of one jump at an unknown time. So the filter interpolates between listens, and a reading of
 //! the voltage corrects power and income of the whole interval before it. A reading is a measurement of `E`, within the cell
-//! of the converter, as in [`Correction`](crate::energy::Correction); a listen is one of `P = g m` with the modelled power `m`.
+//! of the converter; a listen is one of `P = g m` with the modelled power `m`.
 //!
 //! A reading does not move the gain, which stays uncertain in what the reading tells (a consider state, or Schmidt filter):
 //! between two listens the shaking may change, and a storage shows its end but not its beginning, since it is full by then.
@@ -43,7 +43,7 @@ pub(super) const USUAL: f64 = 0.1;
 const HIGHEST_GAIN: f64 = 1e3;
 /// Time in s in which the standing power changes by the deviation of its stated value.
 pub(super) const DRAW_MEMORY: f64 = 864_000.0;
-/// Least noise of a reading in cells, as in a `Correction`.
+/// Least noise of a reading in cells.
 const LEAST_NOISE: f64 = 0.2;
 
 /// The constants of the filter.

@@ -1,7 +1,7 @@
 //! Parameters of a node.
 
 use crate::bounds::{Bounds, ParameterError, first_outside};
-use crate::energy::{Action, BudgetParameters, CorrectionParameters, ListeningParameters};
+use crate::energy::{Action, BudgetParameters, ListeningParameters};
 use crate::scalar::Scalar;
 
 /// Parameters of a [`Node`](super::Node), beside its map and its bank of lines.
@@ -10,8 +10,8 @@ use crate::scalar::Scalar;
 pub struct NodeParameters<const ACTIONS: usize> {
     /// Storage, income by slot of the day, standing power.
     pub budget: BudgetParameters<f32>,
-    /// The ADC on the storage's voltage, and how far the map may be off: its gain at the start and in an hour.
-    pub converter: CorrectionParameters<f32>,
+    /// The ADC on the storage's voltage.
+    pub converter: Converter,
     /// When to listen.
     pub listening: ListeningParameters<f32>,
     /// The accelerometer.
@@ -62,6 +62,10 @@ pub struct KnowingCost {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Spread {
+    /// Of the gain of the map, its ratio of the true to the modelled power, before any reading, 10⁻³ to 10.
+    pub gain: f32,
+    /// Of its change in an hour, 0 to 10.
+    pub gain_drift: f32,
     /// Of the standing power, relative, 0 to 1. The node learns the standing power while the harvester rests.
     pub standing: f32,
     /// Of the energy of an action, relative, 0 to 1.
@@ -174,7 +178,9 @@ const NAMES: [[&str; 2]; 5] = [
 ];
 /// The numbers that belong to no other part, by name, with the least and the largest value of each. In single precision: a loop
 /// over literals in double precision would be converted by the firmware.
-static BOUNDS: [(&str, f32, f32); 16] = [
+static BOUNDS: [(&str, f32, f32); 20] = [
+    ("converter.bits", 4.0, 16.0),
+    ("converter.full_scale", 0.01, 1e3),
     ("sensor.rate", 1.0, 1e5),
     ("sensor.start_up", 0.0, MOST_START_UP as f32),
     ("sensor.blocks", 1.0, MOST_BLOCKS as f32),
@@ -184,6 +190,8 @@ static BOUNDS: [(&str, f32, f32); 16] = [
     ("cost.reading_share", 1e-5, 1.0),
     ("cost.shortest_reading", 1.0, 3600.0),
     ("cost.reading_doublings", 0.0, 12.0),
+    ("spread.gain", 1e-3, 10.0),
+    ("spread.gain_drift", 0.0, 10.0),
     ("spread.standing", 0.0, 1.0),
     ("spread.action", 0.0, 1.0),
     ("spread.income", 1e-3, 10.0),
@@ -213,9 +221,12 @@ impl<const ACTIONS: usize> NodeParameters<ACTIONS> {
 
     /// Checks the numbers that belong to no other part.
     pub(super) fn check(&self) -> Result<(), ParameterError<f32>> {
-        let Self { sensor, cost, spread, .. } = self;
+        let Self { converter, sensor, cost, spread, .. } = self;
         let count = f32::from_u32;
+        Bounds { lowest: 0.0, highest: converter.full_scale }.check("converter.noise", converter.noise)?;
         let values = [
+            count(converter.bits),
+            converter.full_scale,
             sensor.rate,
             count(sensor.start_up),
             count(sensor.blocks),
@@ -225,6 +236,8 @@ impl<const ACTIONS: usize> NodeParameters<ACTIONS> {
             cost.reading_share,
             count(cost.shortest_reading),
             count(cost.reading_doublings),
+            spread.gain,
+            spread.gain_drift,
             spread.standing,
             spread.action,
             spread.income,

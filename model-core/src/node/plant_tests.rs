@@ -1,14 +1,13 @@
 //! A node on a plant of a steady income: two motions, listens without a value, readings that fall due during a listen.
 
 use super::{
-    Hearing, IncomeOfTime, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread,
-    Task, Tier, Wake,
+    Converter, Hearing, IncomeOfTime, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular,
+    Sensor, Spread, Task, Tier, Wake,
 };
 use crate::energy::response_map::test_map::{FINGERPRINT, factors, head};
 use crate::energy::response_map::{COLUMNS, LOWER, PARTS, ROWS, TAIL, UPPER, seal};
 use crate::energy::{
-    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
-    StorageParameters,
+    BudgetParameters, Capacitor, IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
 };
 use crate::excitation::LineBank;
 
@@ -97,13 +96,7 @@ impl Case {
                 income: IncomeParameters { time_constant: 14_400.0, day_weight: 0.5 },
                 standing_power: self.power as f32,
             },
-            converter: CorrectionParameters {
-                bits: 12,
-                full_scale: self.full_scale,
-                noise: self.noise,
-                gain_deviation: self.gain_deviation,
-                gain_drift: 0.02,
-            },
+            converter: Converter { bits: 12, full_scale: self.full_scale, noise: self.noise },
             listening: ListeningParameters {
                 share: 8e-3,
                 error: 1e-3,
@@ -120,6 +113,8 @@ impl Case {
                 reading_doublings: self.reading_doublings,
             },
             spread: Spread {
+                gain: self.gain_deviation,
+                gain_drift: 0.02,
                 standing: 0.02,
                 action: 0.1,
                 income: 0.3,

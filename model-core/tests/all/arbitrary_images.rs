@@ -6,13 +6,14 @@ use crate::common::harvesters::{bump, contact, sine_samples, slide};
 use crate::common::{Random, finished};
 use model_core::energy::estimator::{Interpolation, Sample, SampleFormat, Settings};
 use model_core::energy::{
-    Action, Budget, BudgetParameters, BudgetState, Capacitor, CorrectionParameters, Estimator,
-    IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
+    Action, Budget, BudgetParameters, BudgetState, Capacitor, Estimator, IncomeParameters,
+    ListeningParameters, ResponseMap, StorageParameters,
 };
 use model_core::excitation::LineBank;
 use model_core::integrate::{Adaptive, ExponentialRadau, TrBdf2};
 use model_core::node::{
-    Gap, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread, Task, Tier,
+    Converter, Gap, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread, Task,
+    Tier, Tolerances, VoltageNode, VoltageParameters,
 };
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::AnyContact;
@@ -136,30 +137,34 @@ fn a_budget_of_arbitrary_bytes_is_refused_or_works() {
 }
 
 #[test]
-fn a_correction_of_arbitrary_bytes_is_refused_or_works() {
-    let storage = *budget::<f32>().0.storage();
-    let parameters = CorrectionParameters {
-        bits: 12,
-        full_scale: 5.0,
-        noise: 1e-3,
-        gain_deviation: 1.0,
-        gain_drift: 0.05,
+fn a_node_by_the_voltage_of_arbitrary_bytes_is_refused_or_works() {
+    let parameters = VoltageParameters {
+        storage: storage(),
+        converter: Converter { bits: 12, full_scale: 5.0, noise: 1e-3 },
+        standing_power: 0.3e-6,
+        reading: 1e-6,
+        intervals: [60, 300],
+        tolerances: Tolerances { standing: 0.1, ..Tolerances::EXACT },
+        largest_power: 100e-6,
+        reserve: 1e-4,
+        actions: [Regular { energy: 50e-6, every: 60 }],
     };
-    let correction = parameters.build(&storage).expect("in bounds");
-    let mut state = correction.start();
+    let node = parameters.build().expect("in bounds");
+    let (mut state, mut now) = (node.start(0), 0);
     for minute in 0..100 {
-        correction.predict(&mut state, 60, 2e-5, 1e-5);
-        correction.observe(&mut state, 2400 + minute);
+        now += 60;
+        node.wake(&mut state, now, Some(2400 + minute));
     }
-    judge(&correction, &state, count(6000), |mut state| {
-        for code in [2400, 2401, 0, 4095, 1000] {
-            correction.predict(&mut state, 60, 2e-5, 1e-5);
-            correction.observe(&mut state, code);
+    judge(&node, &state, count(6000), |mut state| {
+        let now = VoltageNode::<1>::second(&state);
+        node.wake_after(&mut state, Gap::LockedOutUntil(now.saturating_add(7200)), Some(2000));
+        for (minute, code) in [2400, 2401, 0, 4095, 1000].into_iter().enumerate() {
+            let now = now.saturating_add(7260 + 60 * minute as u32);
+            let wake = node.wake(&mut state, now, Some(code));
+            assert!(wake.again_in <= 3600, "{wake:?}");
         }
-        let found = state.estimate();
-        assert!((0.0..=10.0).contains(&found.gain), "{found:?}");
-        let finite = [found.gain_deviation, found.energy, found.energy_deviation].map(f32::is_finite);
-        assert_eq!(finite, [true; 3], "{found:?}");
+        let [stored, bound] = state.stored();
+        assert!(stored.is_finite() && bound.is_finite(), "{stored} {bound}");
     });
 }
 
@@ -217,13 +222,7 @@ fn node() -> OneNode {
             income: IncomeParameters { time_constant: 14_400.0, day_weight: 0.5 },
             standing_power: 0.3e-6,
         },
-        converter: CorrectionParameters {
-            bits: 12,
-            full_scale: 5.0,
-            noise: 0.6e-3,
-            gain_deviation: 1.0,
-            gain_drift: 0.1,
-        },
+        converter: Converter { bits: 12, full_scale: 5.0, noise: 0.6e-3 },
         listening: ListeningParameters {
             share: 0.01,
             error: 0.02,
@@ -240,6 +239,8 @@ fn node() -> OneNode {
             reading_doublings: 4,
         },
         spread: Spread {
+            gain: 1.0,
+            gain_drift: 0.1,
             standing: 0.2,
             action: 0.02,
             income: 0.5,

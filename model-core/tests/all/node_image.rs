@@ -1,11 +1,10 @@
-//! One image of all that a node learns: budget with income by slot, correction, estimator and bank of lines.
+//! One image of all that a node learns: budget with income by slot, estimator and bank of lines.
 
 use crate::common::harvesters::{Contact, contact, sine_samples};
 use crate::common::{Random, finished};
 use model_core::energy::estimator::{Interpolation, SampleFormat, Settings};
 use model_core::energy::{
-    Budget, BudgetParameters, BudgetState, Capacitor, Correction, CorrectionParameters, CorrectionState,
-    Estimator, IncomeParameters, StorageParameters,
+    Budget, BudgetParameters, BudgetState, Capacitor, Estimator, IncomeParameters, StorageParameters,
 };
 use model_core::excitation::{LineBank, LineBankState};
 use model_core::integrate::{Adaptive, ExponentialRadau};
@@ -25,7 +24,6 @@ type Harvester<S> = Simulation<Contact<S>, ExponentialRadau, Adaptive<S>, 3, 1>;
 struct Node<S: Scalar> {
     estimator: Estimator<S, Harvester<S>>,
     budget: Budget<S, 24>,
-    correction: Correction<S>,
     bank: LineBank<32, 8>,
 }
 
@@ -43,11 +41,6 @@ struct Numbers {
     time_constant: f64,
     day_weight: f64,
     standing_power: f64,
-    bits: u32,
-    full_scale: f64,
-    noise: f64,
-    gain_deviation: f64,
-    gain_drift: f64,
     longest_gap: u16,
     bank_rate: f32,
     unit: f32,
@@ -65,11 +58,6 @@ const NUMBERS: Numbers = Numbers {
     time_constant: 7200.0,
     day_weight: 0.5,
     standing_power: 1e-6,
-    bits: 12,
-    full_scale: 5.0,
-    noise: 1e-3,
-    gain_deviation: 0.5,
-    gain_drift: 0.05,
     longest_gap: 4,
     bank_rate: RATE as f32,
     unit: 1e-3,
@@ -95,13 +83,6 @@ impl<S: Scalar> Node<S> {
         };
         let standing_power = number(numbers.standing_power);
         let budget = BudgetParameters { storage, income, standing_power }.build().expect("in bounds");
-        let reading = CorrectionParameters {
-            bits: numbers.bits,
-            full_scale: number(numbers.full_scale),
-            noise: number(numbers.noise),
-            gain_deviation: number(numbers.gain_deviation),
-            gain_drift: number(numbers.gain_drift),
-        };
         let control = Adaptive::new(number(numbers.tolerance)).expect("in bounds");
         let settings = Settings {
             rate: number(RATE),
@@ -116,7 +97,6 @@ impl<S: Scalar> Node<S> {
         let harvester = Simulation::new(contact(), ExponentialRadau, control);
         Self {
             estimator: Estimator::new(harvester, settings).expect("in bounds"),
-            correction: reading.build(budget.storage()).expect("in bounds"),
             budget,
             bank: LineBank::new(numbers.bank_rate, 20.0, 0.5, numbers.unit).expect("in bounds"),
         }
@@ -128,40 +108,33 @@ impl<S: Scalar> Node<S> {
 struct Learnt<S: Scalar> {
     estimator: Estimator<S, Harvester<S>>,
     budget: BudgetState<S, 24>,
-    correction: CorrectionState<S>,
     lines: LineBankState<8>,
 }
 
-type Parts<'a, S> =
-    (&'a Estimator<S, Harvester<S>>, &'a Budget<S, 24>, &'a Correction<S>, &'a LineBank<32, 8>);
+type Parts<'a, S> = (&'a Estimator<S, Harvester<S>>, &'a Budget<S, 24>, &'a LineBank<32, 8>);
 
 impl<S: Scalar> Node<S> {
     fn start(&self) -> Learnt<S> {
         let mut budget = self.budget.start(9 * 3600 + 17);
         self.budget.correct_by_voltage(&mut budget, S::from_f64(3.0), S::from_f64(2e-3));
-        Learnt {
-            estimator: self.estimator,
-            budget,
-            correction: self.correction.start(),
-            lines: self.bank.start(),
-        }
+        Learnt { estimator: self.estimator, budget, lines: self.bank.start() }
     }
 
     fn parts(&self) -> Parts<'_, S> {
-        (&self.estimator, &self.budget, &self.correction, &self.bank)
+        (&self.estimator, &self.budget, &self.bank)
     }
 
     fn save(&self, learnt: &Learnt<S>, sequence: u32, bytes: &mut [u8]) -> Result<usize, SnapshotError> {
-        let states = (*learnt.estimator.state(), learnt.budget, learnt.correction, learnt.lines);
+        let states = (*learnt.estimator.state(), learnt.budget, learnt.lines);
         snapshot::save_image(&self.parts(), &states, sequence, bytes)
     }
 
     fn restore(&self, slots: [&[u8]; 2]) -> Result<(Learnt<S>, u32), SnapshotError> {
         let Image { state, sequence, .. } = snapshot::newest_image(&self.parts(), slots)?;
-        let (state, budget, correction, lines) = state;
+        let (state, budget, lines) = state;
         let mut estimator = self.estimator;
         estimator.set_state(state);
-        Ok((Learnt { estimator, budget, correction, lines }, sequence))
+        Ok((Learnt { estimator, budget, lines }, sequence))
     }
 
     /// A minute: a second of samples, some lost, then the rest of the minute as that second; a reading of the voltage.
@@ -185,11 +158,6 @@ impl<S: Scalar> Node<S> {
         self.budget.spend(&mut learnt.budget, spent);
         self.budget.update(&mut learnt.budget, 60, harvested, S::ZERO);
         learnt.budget.raise_uncertainty(relative * harvested);
-        let used = spent + S::from_f64(60e-6);
-        self.correction.predict(&mut learnt.correction, 60, harvested, used);
-        // The voltage of the node's own budget, with noise.
-        let voltage = self.budget.storage().voltage(learnt.budget.energy()).to_f64() + 1e-3 * random.normal();
-        self.correction.observe(&mut learnt.correction, (voltage * 4096.0 / 5.0).round() as u32);
         if minute.is_multiple_of(240) {
             self.budget.gap(&mut learnt.budget, 1800);
         }
@@ -228,7 +196,7 @@ fn resumes_in_the_middle_of_a_day<S: Scalar>() {
     assert_eq!(saved(&node, &interrupted), saved(&node, &steady), "every bit");
     assert!(images > 100, "{images}");
     // It has learnt something of each kind.
-    assert!(steady.correction.estimate().used > 1000 && steady.budget.mean_power() > S::ZERO);
+    assert!(steady.budget.mean_power() > S::ZERO);
     assert!(steady.estimator.estimate().bias.is_some_and(|bias| bias != S::ZERO));
     assert!(steady.budget.account().drawn > S::ZERO && steady.lines != node.bank.start());
 }
@@ -289,7 +257,7 @@ fn every_flipped_bit_and_every_cut_of_a_node_is_refused() {
 fn foreign_settings_are_refused<S: Scalar>() {
     let (node, bytes) = morning::<S>();
     assert!(node.restore([&bytes, &bytes]).is_ok());
-    let changes: [fn(&mut Numbers); 19] = [
+    let changes: [fn(&mut Numbers); 14] = [
         |n| n.tolerance = 5.1e-2,
         |n| n.capacitance = 221e-6,
         |n| n.leakage = f64::INFINITY,
@@ -301,11 +269,6 @@ fn foreign_settings_are_refused<S: Scalar>() {
         |n| n.time_constant = 7201.0,
         |n| n.day_weight = 0.51,
         |n| n.standing_power = 1.01e-6,
-        |n| n.bits = 13,
-        |n| n.full_scale = 5.01,
-        |n| n.noise = 1.01e-3,
-        |n| n.gain_deviation = 0.51,
-        |n| n.gain_drift = 0.051,
         |n| n.longest_gap = 5,
         |n| n.bank_rate = 201.0,
         |n| n.unit = 1.1e-3,

@@ -4,13 +4,12 @@ mod power_downs;
 
 use firmware_example::workload::response_map::contact_separation::{FINGERPRINT, MAP};
 use model_core::energy::{
-    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
-    StorageParameters,
+    BudgetParameters, Capacitor, IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
 };
 use model_core::excitation::LineBank;
 use model_core::node::{
-    Board, Fault, Gap, Hearing, IncomeOfTime, KnowingCost, Node, NodeError, NodeParameters, NodeState,
-    Progress, Regular, Runner, SaveError, Sensor, Spread, Step, Task, Tier,
+    Board, Converter, Fault, Gap, Hearing, IncomeOfTime, KnowingCost, Node, NodeError, NodeParameters,
+    NodeState, Progress, Regular, Runner, SaveError, Sensor, Spread, Step, Task, Tier,
 };
 use model_core::snapshot::{self, SnapshotError};
 
@@ -36,13 +35,7 @@ fn parameters() -> NodeParameters<2> {
             income: IncomeParameters { time_constant: 14_400.0, day_weight: 0.5 },
             standing_power: 0.3e-6,
         },
-        converter: CorrectionParameters {
-            bits: 12,
-            full_scale: 5.0,
-            noise: 0.6e-3,
-            gain_deviation: 1.0,
-            gain_drift: 0.1,
-        },
+        converter: Converter { bits: 12, full_scale: 5.0, noise: 0.6e-3 },
         listening: ListeningParameters {
             share: 0.01,
             error: 0.02,
@@ -59,6 +52,8 @@ fn parameters() -> NodeParameters<2> {
             reading_doublings: 4,
         },
         spread: Spread {
+            gain: 1.0,
+            gain_drift: 0.1,
             standing: 0.2,
             action: 0.02,
             income: 0.5,

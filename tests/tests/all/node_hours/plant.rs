@@ -2,8 +2,7 @@
 
 use model_core::energy::cost::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
 use model_core::energy::{
-    BudgetParameters, Capacitor, CorrectionParameters, IncomeParameters, ListeningParameters, ResponseMap,
-    StorageParameters,
+    BudgetParameters, Capacitor, IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
 };
 use model_core::excitation::LineBank;
 use model_core::node::{
@@ -295,13 +294,7 @@ impl Build {
                 income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
                 standing_power: small(self.standing),
             },
-            converter: CorrectionParameters {
-                bits: 12,
-                full_scale: 5.0,
-                noise: CONVERTER_NOISE as f32,
-                gain_deviation: 1.0,
-                gain_drift: 0.1,
-            },
+            converter: Converter { bits: 12, full_scale: 5.0, noise: CONVERTER_NOISE as f32 },
             listening: ListeningParameters {
                 share: 0.6 * self.share as f32,
                 error: 0.02,
@@ -323,6 +316,8 @@ impl Build {
                 reading_doublings: 6,
             },
             spread: Spread {
+                gain: 1.0,
+                gain_drift: 0.1,
                 standing: self.spread as f32,
                 action: 0.02,
                 income: 0.5,
