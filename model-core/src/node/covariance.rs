@@ -261,7 +261,7 @@ impl<S: Scalar> Covariance<S> {
 
     /// Scales each state whose variance is above [`MOST`] to that variance, with its covariances: nothing is known of it, and
     /// an image takes no number that is much larger.
-    #[inline]
+    #[inline(never)]
     pub(super) fn limit_variances(&mut self) {
         let most = S::from_f64(MOST);
         for index in 0..STATES {

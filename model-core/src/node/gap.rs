@@ -138,7 +138,7 @@ impl<W: Words, const M: usize, const P: usize, const SLOTS: usize, const ACTIONS
     }
 
     /// The second of the state at a second of the clock; `None` if the clock has gone back, by which it is set.
-    #[inline]
+    #[inline(never)]
     pub(super) fn present(&self, state: &mut NodeState<P, SLOTS, ACTIONS>, clock: u32) -> Option<u32> {
         let now = state.second_of(clock);
         if now >= state.second {
