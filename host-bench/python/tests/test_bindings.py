@@ -23,7 +23,7 @@ SHORT = {"run.duration_s": 0.5, "run.settle_s": 0.1}
 class Bindings(unittest.TestCase):
     def test_a_run_is_that_of_the_command_line(self):
         binary = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "debug" / "host-bench"
-        command = [binary, "run", SCENE, "--format", "json", "--tolerance", "1e-4"]
+        command = [binary, "run", SCENE, "--single-start", "--format", "json", "--tolerance", "1e-4"]
         command += [f"--set={key}={value}" for key, value in SHORT.items()]
         expected = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
         found = vh.run(SCENE, set=SHORT, tolerance=1e-4)
