@@ -88,20 +88,19 @@ fn of_energies(runs: [&[&[f64]]; 2], near: &[&[f64]; 2]) -> Option<Ensemble> {
     if runs.iter().any(|runs| runs.len() < 2) {
         return None;
     }
-    let [own, halves] = runs.map(|runs| runs.iter().map(|parts| parts.iter().sum()).collect::<Vec<f64>>());
-    let variance = pooled([&own, &halves]);
-    let in_part =
-        |part: usize| runs.map(|runs| runs.iter().filter_map(|parts| parts.get(part).copied()).collect());
-    let of_parts = |part: usize| {
-        let [own, halves]: [Vec<f64>; 2] = in_part(part);
-        pooled([&own, &halves])
+    let of_runs = |energy: &dyn Fn(&[f64]) -> f64| {
+        runs.map(|runs| runs.iter().map(|parts| energy(parts)).collect::<Vec<f64>>())
     };
+    let energies = of_runs(&|parts| parts.iter().sum());
+    let variance = pooled(&energies);
+    let of_parts = |part: usize| pooled(&of_runs(&|parts| parts.get(part).copied().unwrap_or(0.0)));
     let scatter: f64 = (0..near[0].len()).map(of_parts).sum();
     let apart: f64 = near[0].iter().zip(near[1]).map(|(one, other)| 0.5 * (one - other).powi(2)).sum();
     let together = if scatter > 0.0 { (1.0 - apart / scatter).max(0.0) } else { 0.0 };
-    let bias = (mean(&own) - mean(&halves)).powi(2) - variance * (1.0 / one + 1.0 / two);
+    let [own, halves] = energies.map(|energies| mean(&energies));
+    let bias = (own - halves).powi(2) - variance * (1.0 / one + 1.0 / two);
     Some(Ensemble {
-        mean_j: (mean(&own) * one + mean(&halves) * two) / (one + two),
+        mean_j: (own * one + halves * two) / (one + two),
         standard_error_j: (variance * (together + 1.0 / (one + two))).sqrt(),
         bias_j: bias.max(0.0).sqrt(),
     })
@@ -112,12 +111,12 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 /// The variance of two groups about their own means.
-fn pooled(groups: [&[f64]; 2]) -> f64 {
-    let squares = groups.map(|group| {
+fn pooled(groups: &[Vec<f64>; 2]) -> f64 {
+    let squares = groups.each_ref().map(|group| {
         let mean = mean(group);
         group.iter().map(|value| (value - mean).powi(2)).sum::<f64>()
     });
-    let count: usize = groups.iter().map(|group| group.len()).sum();
+    let count: usize = groups.iter().map(Vec::len).sum();
     squares.iter().sum::<f64>() / (count as f64 - 2.0)
 }
 

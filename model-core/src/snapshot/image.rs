@@ -118,11 +118,8 @@ pub fn newest_image<C: Configuration>(
     };
     read(ahead).or_else(|error| {
         read(1 - ahead).map_err(|other| {
-            if error == SnapshotError::NotASnapshot || (ahead == 1 && other != SnapshotError::NotASnapshot) {
-                other
-            } else {
-                error
-            }
+            let errors = if ahead == 0 { [error, other] } else { [other, error] };
+            newest_slot(errors.map(Err)).err().unwrap_or(error)
         })
     })
 }
