@@ -58,10 +58,11 @@ fn main() {
     let (mut hour, bench) = (None, Bench { second: 0, stored: 60e-3, slots: [[0xFF; 512]; 2] });
     let mut runner = Runner::new(bench, &NODE, 0);
     while runner.board().second <= 86_400 {
-        if runner.step() == Step::Slept && runner.state().last_hour() != hour {
+        runner.step();
+        if runner.is_idle() && runner.state().last_hour() != hour {
             hour = runner.state().last_hour();
             println!("{:5} s: {hour:?}", runner.board().second);
-            let _ = runner.save(&mut [0; 512]); // an error while an action is booked
+            let _ = runner.save(&mut [0; 512]); // an error of the memory
         }
     }
 }

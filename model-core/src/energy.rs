@@ -8,7 +8,6 @@ pub mod estimator;
 mod forecast;
 mod income;
 mod ledger;
-mod listening;
 mod meter;
 mod queries;
 pub mod response_map;
@@ -20,10 +19,8 @@ pub use budget::{Budget, BudgetParameters, BudgetState};
 pub use estimator::{Estimate, Estimator, Uncertainty};
 pub use income::IncomeParameters;
 pub use ledger::{Ledger, Residual};
-pub use listening::{Heard, Listening, ListeningParameters, ListeningState};
 pub use meter::{Integrals, Peak, PowerMeter, RunMeter, RunReport};
 pub use response_map::{Response, ResponseMap};
-pub(crate) use storage::Relaxation;
 pub use storage::{Storage, StorageParameters};
 
 pub use crate::part::storage::Capacitor;

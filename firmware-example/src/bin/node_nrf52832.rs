@@ -12,7 +12,7 @@
 //! | P0.17, P0.18 | high during a measurement, a transmission: in their place come a sensor and the radio |
 //!
 //! Panics and faults end by semihosting as in the other binaries, which needs a debugger; a product would reset.
-//! The ADXL362 has its supply always, and is in standby between listens. The storage supplies the parts directly, so that its voltage is that of the supply. The clock is the RTC from the
+//! The ADXL362 has its supply always, and is in standby between bursts. The storage supplies the parts directly, so that its voltage is that of the supply. The clock is the RTC from the
 //! crystal; the processor sleeps in System ON while it waits.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -27,7 +27,7 @@ mod board {
     use firmware_example::board::flash::Slots;
     use firmware_example::board::hal::HalBoard;
     use firmware_example::stop::{Code, stop};
-    use model_core::node::{Board, Gap, Step};
+    use model_core::node::{Board, Gap, Tier};
     use model_core::snapshot::image_size;
     use nrf52832_hal::gpio::{Level, p0};
     use nrf52832_hal::nvmc::Nvmc;
@@ -185,22 +185,19 @@ mod board {
             },
             slots,
         };
-        // A reset of the processor may have come in a listen.
+        // A reset of the processor may have come in a burst.
         board.stop_sensor();
         let mut runner: Runner<_> = Runner::new(board, &node, 0);
         let mut image = [0; image_size::<ExampleNode>()];
         // Without an image the node begins anew. Without a clock of its own supply no one knows how long the power-down was.
         if runner.resume(&mut image, Gap::Unknown).is_ok() {
-            clock.borrow_mut().ticks = u64::from(runner.state().second()) * u64::from(TICKS);
+            clock.borrow_mut().ticks = u64::from(ExampleNode::second(runner.state())) * u64::from(TICKS);
         }
-        let mut saved = runner.state().second();
+        let mut saved = ExampleNode::second(runner.state());
         loop {
-            let step = runner.step();
-            if step == Step::Slept
-                && runner.is_idle()
-                && runner.state().second().saturating_sub(saved) >= IMAGE_EVERY
-            {
-                saved = runner.state().second();
+            runner.step();
+            if runner.is_idle() && ExampleNode::second(runner.state()).saturating_sub(saved) >= IMAGE_EVERY {
+                saved = ExampleNode::second(runner.state());
                 // A failure of the flash leaves the image before it; the next attempt is in six hours.
                 let _ = runner.save(&mut image);
             }

@@ -5,11 +5,11 @@ use model_core::energy::cost::{
     Accelerometer, Code, CostModel, Instructions, Processor, Radio, node_instructions,
 };
 use model_core::energy::response_map::MapError;
-use model_core::energy::{
-    BudgetParameters, Capacitor, IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
-};
+use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
 use model_core::excitation::{ExcitationError, LineBank};
-use model_core::node::{Converter, KnowingCost, Node, NodeError, NodeParameters, Regular, Sensor, Spread};
+use model_core::node::{
+    Bursts, Converter, MapNode, MapParameters, NodeError, Regular, Sensor, Tolerances, VoltageParameters,
+};
 
 use super::adxl362::{Range, Rate};
 use crate::workload::response_map::contact_separation;
@@ -17,13 +17,11 @@ use crate::workload::response_map::contact_separation;
 /// Samples of a section of the bank of lines, and sections of a block: 3.2 s at 400 Hz.
 const SECTION: usize = 80;
 const SECTIONS: usize = 16;
-/// Slots of the day.
-const SLOTS: usize = 24;
 /// Number of actions.
 const ACTIONS: usize = 2;
 
 /// The node of this board.
-pub type ExampleNode = Node<&'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS>;
+pub type ExampleNode = MapNode<&'static [u16], SECTION, SECTIONS, ACTIONS>;
 /// The node with its board.
 pub type Runner<'a, B> = model_core::node::Runner<'a, B, ExampleNode>;
 
@@ -73,16 +71,16 @@ pub fn node() -> Result<ExampleNode, ExampleError> {
     let cost = CostModel::<f32>::new(Processor::nrf52832(), accelerometer);
     let rate = RATE.hertz() as f32;
     let block = (SECTION * SECTIONS) as u32;
-    let Instructions { reading, sample, block: of_block, .. } = node_instructions(cost.processor.core);
+    let Instructions { reading, sample, block: of_block } = node_instructions(cost.processor.core);
     let computing = block as f32 * sample + of_block;
-    let listen = cost.listen(block, rate, computing, Code::Filter).ok_or(ExampleError::Figure)?;
+    let burst = cost.listen(block, rate, computing, Code::Filter).ok_or(ExampleError::Figure)?;
     let reading =
         cost.voltage_reading.value + cost.start_energy() + cost.processor.computing(reading, Code::Filter);
     let packet = Radio::<f32>::nrf52832();
     let sent = packet.packet(20).ok_or(ExampleError::Figure)?;
     let standing_power = cost.standing_power().ok_or(ExampleError::Figure)? + STANDBY;
-    let parameters = NodeParameters {
-        budget: BudgetParameters {
+    let parameters = MapParameters {
+        voltage: VoltageParameters {
             storage: StorageParameters {
                 capacitor: Capacitor { capacitance: 10e-3, leakage_resistance: 5e6 },
                 charging_efficiency: 0.8,
@@ -91,16 +89,25 @@ pub fn node() -> Result<ExampleNode, ExampleError> {
                 lock_out_voltage: 1.9,
                 turn_on_voltage: 2.2,
             },
-            income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
+            converter: Converter { bits: 12, full_scale: FULL_SCALE, noise: 1e-3 },
             standing_power,
-        },
-        converter: Converter { bits: 12, full_scale: FULL_SCALE, noise: 1e-3 },
-        listening: ListeningParameters {
-            share: 8e-3,
-            error: 0.02,
-            horizon: 3600.0,
-            shortest: 60,
-            doublings: 8,
+            reading,
+            intervals: [60, 300],
+            tolerances: Tolerances {
+                standing: 0.2,
+                action: 0.1,
+                capacitance: 0.115,
+                leakage: 0.5,
+                highest_voltage: 0.03,
+                ..Tolerances::EXACT
+            },
+            largest_power: 1e-4,
+            // Half an hour asleep.
+            reserve: 1800.0 * standing_power,
+            actions: [
+                Regular { energy: 300e-6, every: 600 },
+                Regular { energy: sent + cost.start_energy(), every: 900 },
+            ],
         },
         sensor: Sensor {
             rate,
@@ -109,32 +116,12 @@ pub fn node() -> Result<ExampleNode, ExampleError> {
             // 12 bits.
             clipped: 2040,
         },
-        cost: KnowingCost {
-            listen: listen.total(),
-            reading,
-            reading_share: 2e-3,
-            shortest_reading: 60,
-            reading_doublings: 6,
-        },
-        spread: Spread {
-            gain: 0.5,
-            gain_drift: 0.05,
-            standing: 0.2,
-            action: 0.1,
-            income: 0.3,
-            gain_by_place: 0.1,
-            highest_voltage: 0.03,
-            power: 1e-4,
-        },
-        // Half an hour asleep.
-        reserve: 1800.0 * standing_power,
-        actions: [
-            Regular { energy: 300e-6, every: 600 },
-            Regular { energy: sent + cost.start_energy(), every: 900 },
-        ],
+        bursts: Bursts { energy: burst.total(), worth: 10.0, shortest: 60, check: 80_000 },
+        gain: 0.5,
+        gain_drift: 0.05,
     };
     let map = ResponseMap::new(&contact_separation::MAP[..], contact_separation::FINGERPRINT)
         .map_err(ExampleError::Map)?;
     let bank = LineBank::new(rate, 20.13, 0.1, UNIT).map_err(ExampleError::Bank)?;
-    Node::new(map, bank, parameters).map_err(ExampleError::Node)
+    MapNode::new(map, bank, parameters).map_err(ExampleError::Node)
 }

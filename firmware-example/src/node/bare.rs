@@ -11,7 +11,7 @@ use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use embedded_storage::nor_flash::{
     ErrorType as FlashErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
-use model_core::node::{Board, Fault, Gap, Runner, Step, Tier, VoltageNode};
+use model_core::node::{Board, Fault, Gap, Runner, Tier, VoltageNode};
 use model_core::snapshot::image_size;
 
 use super::parts::{ACTIONS, ExampleNode, NODE, Part};
@@ -233,7 +233,7 @@ fn with_bursts<R: Registers>(node: ExampleNode, is_over: impl Fn(u32) -> bool) {
         act: |action: usize| R::write(Register::Action, action as u32),
         slots: slots::<R>(),
     };
-    // A reset of the processor may have come in a listen.
+    // A reset of the processor may have come in a burst.
     board.stop_sensor();
     live::<R, _, _, IMAGE_BYTES>(board, &node, is_over);
 }
@@ -247,9 +247,9 @@ fn live<R: Registers, B: Board, N: Tier<State: Copy>, const IMAGE: usize>(
     resume::<_, _, IMAGE>(&mut runner, R::read(Register::Second));
     let mut saved = N::second(runner.state());
     while !is_over(N::second(runner.state())) {
-        let step = runner.step();
+        runner.step();
         let second = N::second(runner.state());
-        if step == Step::Slept && runner.is_idle() && second.saturating_sub(saved) >= IMAGE_EVERY {
+        if runner.is_idle() && second.saturating_sub(saved) >= IMAGE_EVERY {
             saved = second;
             save::<_, _, IMAGE>(&mut runner);
         }

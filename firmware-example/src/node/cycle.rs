@@ -1,6 +1,6 @@
 //! From a start of the node to the end of its day, or to a loss of power.
 
-use model_core::node::{Gap, IncomeOfTime, Step};
+use model_core::node::{Gap, IncomeOfTime, Step, Tier};
 
 use super::Meter;
 use super::day::SECONDS;
@@ -52,20 +52,19 @@ pub fn cycle<M: Meter>(
     resume(runner, log);
     let mut diary = Diary::new(runner);
     loop {
-        let readings = runner.state().instruments()[0];
+        let readings = runner.state().voltage().readings();
         let board = runner.board_mut();
-        (board.ticks, board.samples, board.is_read) = (0, 0, false);
+        (board.ticks, board.samples) = (0, 0);
         let started = meter.ticks();
         let step = runner.step();
         let ticks = meter.ticks() - started;
-        let readings = runner.state().instruments()[0] - readings;
+        let readings = runner.state().voltage().readings() - readings;
         let work = match step {
             Step::Slept if readings > 0 => Work::Reading,
-            Step::Slept if runner.board().is_read => Work::Glance,
             Step::Slept => Work::Wake,
             Step::Ran(_) => Work::Action,
             Step::Sampled => Work::Samples,
-            Step::Heard(_) => Work::Heard,
+            Step::Burst(_) => Work::Burst,
         };
         let board = runner.board_mut();
         board.know(readings);
@@ -78,11 +77,11 @@ pub fn cycle<M: Meter>(
             return Ok(End::PowerLost);
         }
         diary.write(runner, log);
-        if runner.state().second() >= SECONDS && runner.is_idle() {
+        if ExampleNode::second(runner.state()) >= SECONDS && runner.is_idle() {
             save(runner, log)?;
             return Ok(End::Day);
         }
-        if step == Step::Slept && runner.is_idle() && diary.is_image_due(runner) {
+        if runner.is_idle() && diary.is_image_due(runner) {
             save(runner, log)?;
             if runner.board().world.is_off() {
                 return Ok(End::PowerLost);
@@ -109,7 +108,7 @@ fn resume<M: Meter>(runner: &mut Node<'_, M>, log: &mut dyn FnMut(&Entry)) {
     if runner.resume(&mut buffer, Gap::Unknown).is_err() {
         return;
     }
-    let second = runner.state().second();
+    let second = ExampleNode::second(runner.state());
     if let Ok(sequence) = runner.resume(&mut buffer, Gap::OnUntil(second)) {
         let world = &mut runner.board_mut().world;
         world.set_back(second);
@@ -140,7 +139,7 @@ struct Diary {
 
 impl Diary {
     fn new<M: Meter>(runner: &Node<'_, M>) -> Self {
-        let second = runner.state().second();
+        let second = ExampleNode::second(runner.state());
         Self { states: second / STATE_EVERY, images: second / IMAGE_EVERY, hour: runner.state().last_hour() }
     }
 
@@ -151,19 +150,19 @@ impl Diary {
             self.hour = last_hour;
             if let Some(told) = last_hour {
                 let income = runner.board_mut().world.income_since();
-                log(&Entry::Hour(Hour { second: runner.state().second(), told, income }));
+                log(&Entry::Hour(Hour { second: ExampleNode::second(runner.state()), told, income }));
             }
         }
-        let state = runner.state();
-        if state.second() / STATE_EVERY != self.states {
-            self.states = state.second() / STATE_EVERY;
-            log(&Entry::State(State::new(state, runner.board().world.plant())));
+        let states = ExampleNode::second(runner.state()) / STATE_EVERY;
+        if states != self.states {
+            self.states = states;
+            log(&Entry::State(State::new(runner.node(), runner.state(), runner.board().world.plant())));
         }
     }
 
     /// Whether it is time for an image, which is then taken.
     fn is_image_due<M: Meter>(&mut self, runner: &Node<'_, M>) -> bool {
-        let images = runner.state().second() / IMAGE_EVERY;
+        let images = ExampleNode::second(runner.state()) / IMAGE_EVERY;
         core::mem::replace(&mut self.images, images) != images
     }
 }

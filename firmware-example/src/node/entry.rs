@@ -3,9 +3,9 @@
 
 use core::fmt;
 
-use model_core::node::{IncomeOfTime, NodeState};
+use model_core::node::{IncomeOfTime, Tier};
 
-use super::parts::ACTIONS;
+use super::parts::{ACTIONS, ExampleNode, ExampleState};
 use super::plant::Plant;
 
 /// An entry of the log.
@@ -50,7 +50,7 @@ pub struct State {
     pub income: u64,
     /// Energy in J that was spent on knowing it.
     pub knowing: f32,
-    /// Readings of the voltage, and listens with a value.
+    /// Readings of the voltage, and bursts.
     pub instruments: [u32; 2],
     /// Runs of each action.
     pub ran: [u32; ACTIONS],
@@ -68,18 +68,15 @@ pub struct Hour {
 }
 
 impl State {
-    pub(super) fn new<const P: usize, const SLOTS: usize>(
-        state: &NodeState<P, SLOTS, ACTIONS>,
-        plant: &Plant,
-    ) -> Self {
+    pub(super) fn new(node: &ExampleNode, state: &ExampleState, plant: &Plant) -> Self {
         Self {
-            second: state.second(),
+            second: ExampleNode::second(state),
             code: plant.code,
-            stored: state.stored(),
-            told: state.overall(),
+            stored: node.stored(state),
+            told: node.overall(state),
             income: plant.income,
-            knowing: state.spent_on_knowing(),
-            instruments: state.instruments(),
+            knowing: node.spent_on_knowing(state),
+            instruments: [state.voltage().readings(), state.bursts()],
             ran: plant.ran,
         }
     }
@@ -90,7 +87,7 @@ impl fmt::Display for Entry {
         match self {
             Self::State(state) => {
                 let State { second, code, income, .. } = state;
-                let ([readings, listens], [measured, transmitted]) = (state.instruments, state.ran);
+                let ([readings, bursts], [measured, transmitted]) = (state.instruments, state.ran);
                 let IncomeOfTime { energy, bound, silent, .. } = state.told;
                 let [stored, within, energy, bound, knowing] =
                     [state.stored[0], state.stored[1], energy, bound, state.knowing].map(picojoules);
@@ -98,7 +95,7 @@ impl fmt::Display for Entry {
                     f,
                     "second {second}: code {code}, {stored} pJ stored, bound {within}, {energy} pJ in, \
                      bound {bound}, {silent} s silent, {income} pJ true, {knowing} pJ on knowing, \
-                     {readings} readings, {listens} listens, {measured} measured, {transmitted} transmitted"
+                     {readings} readings, {bursts} bursts, {measured} measured, {transmitted} transmitted"
                 )
             }
             Self::Hour(Hour { second, told, income }) => {
@@ -131,12 +128,12 @@ pub(super) fn log(entry: &Entry) {
     match entry {
         Entry::State(state) => {
             let State { second, code, income, .. } = state;
-            let ([readings, listens], [measured, transmitted]) = (state.instruments, state.ran);
+            let ([readings, bursts], [measured, transmitted]) = (state.instruments, state.ran);
             let IncomeOfTime { energy, bound, silent, .. } = state.told;
             let [stored, within, energy, bound, knowing] =
                 [state.stored[0], state.stored[1], energy, bound, state.knowing].map(picojoules);
             defmt::info!(
-                "second {=u32}: code {=u32}, {=u64} pJ stored, bound {=u64}, {=u64} pJ in, bound {=u64}, {=u32} s silent, {=u64} pJ true, {=u64} pJ on knowing, {=u32} readings, {=u32} listens, {=u32} measured, {=u32} transmitted",
+                "second {=u32}: code {=u32}, {=u64} pJ stored, bound {=u64}, {=u64} pJ in, bound {=u64}, {=u32} s silent, {=u64} pJ true, {=u64} pJ on knowing, {=u32} readings, {=u32} bursts, {=u32} measured, {=u32} transmitted",
                 second,
                 code,
                 stored,
@@ -147,7 +144,7 @@ pub(super) fn log(entry: &Entry) {
                 income,
                 knowing,
                 readings,
-                listens,
+                bursts,
                 measured,
                 transmitted
             );

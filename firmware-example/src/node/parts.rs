@@ -3,13 +3,11 @@
 use model_core::bounds::ParameterError;
 use model_core::energy::cost::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
 use model_core::energy::response_map::MapError;
-use model_core::energy::{
-    BudgetParameters, Capacitor, IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
-};
+use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
 use model_core::excitation::{ExcitationError, LineBank};
 use model_core::node::{
-    Converter, KnowingCost, Node, NodeError, NodeParameters, NodeState, Regular, Sensor, Spread, Tolerances,
-    VoltageNode, VoltageParameters,
+    Bursts, Converter, MapNode, MapParameters, MapState, NodeError, Regular, Sensor, Tolerances, VoltageNode,
+    VoltageParameters,
 };
 
 /// The map of `node.toml`: contact-separation under the force of the field, 20 g on 320 N/m, with impacts.
@@ -19,17 +17,15 @@ pub mod map;
 /// Samples of a section of the bank of lines, and sections of a block: 6.4 s.
 const SECTION: usize = 20;
 const SECTIONS: usize = 32;
-/// Slots of the day.
-const SLOTS: usize = 24;
 /// Number of actions.
 pub const ACTIONS: usize = 2;
-/// Samples of a listen.
-pub const LISTEN: u32 = (SECTION * SECTIONS) as u32;
+/// Samples of a burst.
+pub const BURST: u32 = (SECTION * SECTIONS) as u32;
 
 /// The node.
-pub type ExampleNode = Node<&'static [u16], SECTION, SECTIONS, SLOTS, ACTIONS>;
+pub type ExampleNode = MapNode<&'static [u16], SECTION, SECTIONS, ACTIONS>;
 /// What it has learnt.
-pub type ExampleState = NodeState<SECTIONS, SLOTS, ACTIONS>;
+pub type ExampleState = MapState<SECTIONS, ACTIONS>;
 /// The node with its board.
 pub type Runner<'a, B> = model_core::node::Runner<'a, B, ExampleNode>;
 
@@ -53,8 +49,6 @@ pub const FIRST: f32 = 3.6;
 /// Efficiencies in per cent: into the storage, and out of it.
 pub const INTO_STORAGE: u8 = 80;
 pub const OUT_OF_STORAGE: u8 = 90;
-/// Part of the income that knowing it may cost.
-const SHARE: f32 = 0.006;
 
 /// A processor of the node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,55 +90,31 @@ impl Part {
         }
     }
 
-    /// The node with this processor, an ADXL362 and a storage of 47 mF. It measures and transmits each five minutes. On the core
-    /// without floating point it has glances.
+    /// The node with this processor, an ADXL362 and a storage of 47 mF. It measures and transmits each five minutes.
     ///
     /// # Errors
     /// If a parameter is outside its bounds, or the map does not belong to this version.
     #[inline(never)]
     pub fn node(self) -> Result<ExampleNode, PartsError> {
-        let (parameters, glance) = self.parameters()?;
         let map = ResponseMap::new(&map::MAP[..], map::FINGERPRINT).map_err(PartsError::Map)?;
         let bank = LineBank::new(RATE as f32, map::RESONANCE_HZ, map::HALF_BANDWIDTH_HZ, UNIT)
             .map_err(PartsError::Bank)?;
-        let node = Node::new(map, bank, parameters).map_err(PartsError::Node)?;
-        match self {
-            // The converter and the wake-up are most of a reading: a glance would save little.
-            Self::Nrf52832 => Ok(node),
-            Self::Stm32l051 => Ok(node.with_glances(glance)?),
-        }
+        MapNode::new(map, bank, self.parameters()?).map_err(PartsError::Node)
     }
 
-    /// The parameters of the node, and the energy of a glance in J. A call of its own: what the figures of the parts take on the
-    /// stack is free again afterwards.
+    /// The parameters of the node. A call of its own: what the figures of the parts take on the stack is free again afterwards.
     #[inline(never)]
-    fn parameters(self) -> Result<(NodeParameters<ACTIONS>, f32), PartsError> {
+    fn parameters(self) -> Result<MapParameters<ACTIONS>, PartsError> {
         let accelerometer = Accelerometer::adxl362();
         let cost = CostModel::<f32>::new(self.processor(), accelerometer);
-        let Instructions { reading, glance, sample, block, .. } = node_instructions(cost.processor.core);
-        let instructions = LISTEN as f32 * sample + block;
-        let listen =
-            cost.listen(LISTEN, RATE as f32, instructions, Code::Filter).ok_or(PartsError::Figure)?;
-        let of_code = |instructions: f32| {
-            cost.voltage_reading.value
-                + cost.start_energy()
-                + cost.processor.computing(instructions, Code::Filter)
-        };
-        let standing_power = cost.standing_power().ok_or(PartsError::Figure)?;
-        let parameters = NodeParameters {
-            budget: BudgetParameters {
-                storage: STORAGE,
-                income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
-                standing_power,
-            },
-            converter: Converter { bits: BITS, full_scale: FULL_SCALE, noise: CONVERTER_NOISE },
-            listening: ListeningParameters {
-                share: 0.6 * SHARE,
-                error: 0.02,
-                horizon: 3600.0,
-                shortest: 300,
-                doublings: 6,
-            },
+        let Instructions { reading, sample, block } = node_instructions(cost.processor.core);
+        let instructions = BURST as f32 * sample + block;
+        let burst = cost.listen(BURST, RATE as f32, instructions, Code::Filter).ok_or(PartsError::Figure)?;
+        let reading = cost.voltage_reading.value
+            + cost.start_energy()
+            + cost.processor.computing(reading, Code::Filter);
+        Ok(MapParameters {
+            voltage: by_voltage(reading, cost.standing_power().ok_or(PartsError::Figure)?),
             sensor: Sensor {
                 rate: RATE as f32,
                 start_up: accelerometer.start_up_samples,
@@ -152,28 +122,11 @@ impl Part {
                 // 12 bits.
                 clipped: 2040,
             },
-            cost: KnowingCost {
-                listen: listen.total(),
-                reading: of_code(reading),
-                reading_share: 0.4 * SHARE,
-                shortest_reading: 60,
-                reading_doublings: 6,
-            },
-            spread: Spread {
-                gain: 1.0,
-                gain_drift: 0.1,
-                standing: 0.2,
-                action: 0.02,
-                income: 0.5,
-                gain_by_place: 0.5,
-                highest_voltage: 0.03,
-                power: 300e-6,
-            },
-            // Ten hours asleep.
-            reserve: 36_000.0 * standing_power,
-            actions: REGULAR,
-        };
-        Ok((parameters, of_code(glance)))
+            // Each hour, so that the day has bursts.
+            bursts: Bursts { energy: burst.total(), worth: 10.0, shortest: 60, check: 3600 },
+            gain: 1.0,
+            gain_drift: 0.1,
+        })
     }
 }
 
@@ -193,6 +146,7 @@ const fn by_voltage(reading: f32, standing_power: f32) -> VoltageParameters<ACTI
         intervals: [60, 300],
         tolerances: Tolerances {
             standing: 0.2,
+            action: 0.02,
             capacitance: 0.115,
             highest_voltage: 0.03,
             ..Tolerances::EXACT

@@ -3,6 +3,7 @@
 //! All of it is integer arithmetic but for one root, so that it costs little on a core without floating point. Energies are
 //! whole pJ.
 
+use model_core::node::MapParameters;
 use model_core::scalar::Scalar;
 
 use super::day::minute;
@@ -11,7 +12,7 @@ use super::parts::{
     OUT_OF_STORAGE, RATE,
 };
 
-/// What the true node draws, in per cent of what is stated: asleep, for an action, for a reading or a listen.
+/// What the true node draws, in per cent of what is stated: asleep, for an action, for a reading or a burst.
 const STANDING: u64 = 115;
 const ACTION: u64 = 101;
 const KNOWING: u64 = 104;
@@ -29,21 +30,19 @@ pub(super) struct Draws {
     /// In a second.
     standing: u64,
     reading: u64,
-    glance: u64,
-    listen: u64,
+    burst: u64,
     actions: [u64; ACTIONS],
 }
 
 impl Draws {
     pub(super) fn new(node: &ExampleNode) -> Self {
-        let parameters = node.parameters();
+        let MapParameters { voltage, bursts, .. } = node.parameters();
         let of = |joules: f32, percent: u64| (1e12 * joules) as u64 * percent / u64::from(OUT_OF_STORAGE);
         Self {
-            standing: of(parameters.budget.standing_power, STANDING),
-            reading: of(parameters.cost.reading, KNOWING),
-            glance: of(node.glance().unwrap_or(0.0), KNOWING),
-            listen: of(parameters.cost.listen, KNOWING),
-            actions: parameters.actions.map(|regular| of(regular.energy, ACTION)),
+            standing: of(voltage.standing_power, STANDING),
+            reading: of(voltage.reading, KNOWING),
+            burst: of(bursts.energy, KNOWING),
+            actions: voltage.actions.map(|regular| of(regular.energy, ACTION)),
         }
     }
 }
@@ -128,9 +127,9 @@ impl Plant {
         self.stored = self.stored.saturating_sub(energy);
     }
 
-    /// Draws what so many readings took, or a glance.
+    /// Draws what so many readings took.
     pub(super) fn know(&mut self, draws: &Draws, readings: u32) {
-        self.draw(if readings > 0 { draws.reading * u64::from(readings) } else { draws.glance });
+        self.draw(draws.reading * u64::from(readings));
     }
 
     /// Reads the voltage of the storage.
@@ -152,7 +151,7 @@ impl Plant {
 
     /// Switches the accelerometer on.
     pub(super) fn start_sensor(&mut self, draws: &Draws) {
-        self.draw(draws.listen);
+        self.draw(draws.burst);
         let phases = [self.random(), self.random()];
         self.sensor = Some(Sensor { started: self.second, taken: 0, waiting: 0, phases });
     }

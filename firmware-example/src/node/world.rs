@@ -17,8 +17,8 @@ pub const IMAGE_EVERY: u32 = 3600;
 pub enum Moment {
     /// When so many bytes of an image are written. The rest of the slot has what it had before.
     Writing(usize),
-    /// In a listen, after a burst of its samples.
-    Listening,
+    /// In a burst, after some of its samples.
+    Sampling,
 }
 
 /// A loss of power.
@@ -31,16 +31,16 @@ pub struct Loss {
 }
 
 /// The losses of power in the day, in order: in an image at its start, in its middle and before its last byte, after an
-/// image, and in listens.
+/// image, and in bursts.
 pub const LOSSES: [Loss; 10] = [
     loss(2, Moment::Writing(IMAGE_BYTES)),
     loss(4, Moment::Writing(0)),
-    loss(6, Moment::Listening),
+    loss(6, Moment::Sampling),
     loss(7, Moment::Writing(1)),
     loss(9, Moment::Writing(IMAGE_BYTES / 2)),
     // The same image once more.
     loss(9, Moment::Writing(IMAGE_BYTES - 1)),
-    loss(12, Moment::Listening),
+    loss(12, Moment::Sampling),
     loss(14, Moment::Writing(IMAGE_BYTES - 4)),
     loss(17, Moment::Writing(IMAGE_BYTES)),
     loss(20, Moment::Writing(100)),
@@ -73,21 +73,18 @@ pub struct Count {
 pub enum Work {
     /// A wake with a reading of the voltage.
     Reading,
-    /// A wake with a reading that is only compared.
-    Glance,
     /// A wake from sleep without a reading.
     Wake,
     /// A wake after an action.
     Action,
     /// Samples.
     Samples,
-    /// The last samples of a listen with its look-up, and the wake after them.
-    Heard,
+    /// The last samples of a burst with its look-up, and the wake after them.
+    Burst,
 }
 
 /// All of them, in order.
-pub const WORK: [Work; 6] =
-    [Work::Reading, Work::Glance, Work::Wake, Work::Action, Work::Samples, Work::Heard];
+pub const WORK: [Work; 5] = [Work::Reading, Work::Wake, Work::Action, Work::Samples, Work::Burst];
 
 impl Work {
     /// One word, for the log.
@@ -95,11 +92,10 @@ impl Work {
     pub fn name(self) -> &'static str {
         match self {
             Self::Reading => "reading",
-            Self::Glance => "glance",
             Self::Wake => "wake",
             Self::Action => "action",
             Self::Samples => "samples",
-            Self::Heard => "heard",
+            Self::Burst => "burst",
         }
     }
 }
@@ -203,22 +199,19 @@ pub(super) struct Simulated<'a, M> {
     pub(super) world: &'a mut World,
     draws: Draws,
     meter: &'a M,
-    /// Ticks that the board took, samples that it gave, and whether it gave a code.
+    /// Ticks that the board took, and samples that it gave.
     pub(super) ticks: u64,
     pub(super) samples: u32,
-    pub(super) is_read: bool,
 }
 
 impl<'a, M: Meter> Simulated<'a, M> {
     pub(super) fn new(world: &'a mut World, draws: Draws, meter: &'a M) -> Self {
-        Self { world, draws, meter, ticks: 0, samples: 0, is_read: false }
+        Self { world, draws, meter, ticks: 0, samples: 0 }
     }
 
-    /// The energy of so many readings, or of a glance, leaves the storage if a code was read.
+    /// The energy of so many readings leaves the storage.
     pub(super) fn know(&mut self, readings: u32) {
-        if self.is_read {
-            self.world.plant.know(&self.draws, readings);
-        }
+        self.world.plant.know(&self.draws, readings);
     }
 
     /// Does the work of the board and counts what it takes.
@@ -241,7 +234,6 @@ impl<M: Meter> Board for Simulated<'_, M> {
     }
 
     fn storage_code(&mut self) -> Option<u32> {
-        self.is_read = true;
         self.work(|board| Some(board.world.plant.read()))
     }
 
@@ -257,7 +249,7 @@ impl<M: Meter> Board for Simulated<'_, M> {
     fn read_samples(&mut self, samples: &mut [i16]) -> Result<usize, Fault> {
         let count = self.work(|board| board.world.plant.take(samples));
         self.samples += count as u32;
-        if count > 0 && self.world.due() == Some(Moment::Listening) {
+        if count > 0 && self.world.due() == Some(Moment::Sampling) {
             self.world.lose_power();
         }
         Ok(count)

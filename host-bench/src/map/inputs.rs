@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use model_core::energy::ResponseMap;
 use model_core::excitation::{LineBank, Lines};
-use model_core::node::{Hearing, Modelled, Yield};
+use model_core::node::{Finding, Modelled, Yield};
 use rayon::prelude::*;
 
 use super::Map;
@@ -208,16 +208,16 @@ fn said(map: &ResponseMap<&[u16]>, blocks: &[Lines]) -> Said {
         let [value, bound] = [found.value, found.bound()].map(f64::from);
         [value - bound, value, value + bound]
     };
-    match modelled.hearing {
-        Hearing::Line | Hearing::Broadband | Hearing::Rest => {
+    match modelled.finding {
+        Finding::Line | Finding::Broadband | Finding::Rest => {
             let [low, value, high] = bounds(modelled.lower);
             Said::Known { value, low, high }
         }
-        Hearing::TwoMotions | Hearing::TwoMotionsOneSeen => {
+        Finding::TwoMotions | Finding::TwoMotionsOneSeen => {
             let [low, _, high] = bounds(modelled.either());
             Said::Either { low, high }
         }
-        Hearing::BroadbandBeyond => Said::Beyond,
-        Hearing::Outside(_) | Hearing::Unclear | Hearing::Damaged => Said::Nothing,
+        Finding::BroadbandBeyond => Said::Beyond,
+        Finding::Outside(_) | Finding::Unclear | Finding::Damaged => Said::Nothing,
     }
 }

@@ -23,11 +23,6 @@ impl<S: Scalar> Action<S> {
         Ok(Self { name, energy, duration })
     }
 
-    /// An action without a duration, of an energy in J at the load that is within the bounds.
-    pub(crate) fn at_once(energy: S) -> Self {
-        Self { name: "", energy, duration: S::ZERO }
-    }
-
     /// The name.
     #[must_use]
     pub fn name(&self) -> &'static str {

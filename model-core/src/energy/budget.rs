@@ -234,12 +234,6 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         self.move_store(state, &relaxation, S::ZERO, S::ZERO);
     }
 
-    /// Sets the time, in whole seconds since a midnight, where the clock was set.
-    pub(crate) fn set_clock(&self, state: &mut BudgetState<S, SLOTS>, second: u32) {
-        let forward = second.wrapping_sub(state.second());
-        self.income.gap(&mut state.income, forward);
-    }
-
     /// Sets the stored energy to a measured `energy` in J that may be `uncertainty` in J too high. An energy
     /// that is negative, not finite, or above 10⁹ J is refused and counted.
     pub fn correct(&self, state: &mut BudgetState<S, SLOTS>, energy: S, uncertainty: S) {

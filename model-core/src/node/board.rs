@@ -1,6 +1,6 @@
 //! What a node needs of the hardware, and a loop over it.
 
-use super::{Gap, Hearing, Progress, Task, Tier, Wake};
+use super::{Finding, Gap, Progress, Task, Tier, Wake};
 use crate::snapshot::{SnapshotError, image_size, newest_slot, read_image, save_image};
 
 /// The hardware of a node.
@@ -57,7 +57,7 @@ pub struct Fault;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SaveError {
-    /// The node is not [idle](Runner::is_idle): an action is booked and not carried out, or a listen is under way.
+    /// The node is not [idle](Runner::is_idle): an action is booked and not carried out, or a burst is under way.
     NotIdle,
     /// The buffer is too small.
     Buffer(SnapshotError),
@@ -84,7 +84,7 @@ pub struct Runner<'a, B, N: Tier> {
     node: &'a N,
     state: N::State,
     wake: Wake,
-    is_listening: bool,
+    is_sampling: bool,
     /// Number and slot of the newest image; `None` before a look at the slots.
     newest: Option<(u32, usize)>,
 }
@@ -100,8 +100,8 @@ pub enum Step {
     Slept,
     /// It took samples.
     Sampled,
-    /// It finished a listen.
-    Heard(Hearing),
+    /// It finished a burst.
+    Burst(Finding),
     /// It carried an action out.
     Ran(usize),
 }
@@ -116,13 +116,18 @@ where
         let mut state = node.start(second);
         let code = board.storage_code();
         let wake = node.wake(&mut state, second, code);
-        Self { board, node, state, wake, is_listening: false, newest: None }
+        Self { board, node, state, wake, is_sampling: false, newest: None }
     }
 
     /// The state.
     #[must_use]
     pub fn state(&self) -> &N::State {
         &self.state
+    }
+
+    /// The state, for what a firmware asks of the node, as [`MapState::ask_for_burst`](super::MapState::ask_for_burst).
+    pub fn state_mut(&mut self) -> &mut N::State {
+        &mut self.state
     }
 
     /// Whether the next step sleeps: nothing is booked that has not been done. Save an image then.
@@ -168,16 +173,16 @@ where
                 self.ask(now, code);
                 Step::Slept
             }
-            Task::Listen { samples } if N::BURSTS => self.listen(samples),
-            Task::Listen { .. } => Step::Slept,
+            Task::Burst { samples } if N::BURSTS => self.burst(samples),
+            Task::Burst { .. } => Step::Slept,
         }
     }
 
     /// Takes a burst of samples.
     #[inline(never)]
-    fn listen(&mut self, samples: u32) -> Step {
-        if !self.is_listening {
-            self.is_listening = true;
+    fn burst(&mut self, samples: u32) -> Step {
+        if !self.is_sampling {
+            self.is_sampling = true;
             if self.board.start_sensor().is_err() {
                 self.node.samples_lost(&mut self.state);
             }
@@ -195,31 +200,31 @@ where
                 break;
             }
             match self.node.samples(&mut self.state, burst) {
-                Progress::More(samples) => self.wake.task = Task::Listen { samples },
-                Progress::Heard(hearing) => {
+                Progress::More(samples) => self.wake.task = Task::Burst { samples },
+                Progress::Done(hearing) => {
                     self.board.stop_sensor();
-                    self.is_listening = false;
+                    self.is_sampling = false;
                     heard = Some(hearing);
                     break;
                 }
                 Progress::Idle => {}
             }
         }
-        // The books wait for the end of the listen, because they cost more than a burst.
+        // The books wait for the end of the burst, because they cost more than a part of it.
         let since = now.checked_sub(N::second(&self.state));
         let is_over = since.is_none_or(|since| since >= self.wake.again_in);
         if heard.is_some() || is_over {
             self.ask(now, None);
         }
-        heard.map_or(Step::Sampled, Step::Heard)
+        heard.map_or(Step::Sampled, Step::Burst)
     }
 
     #[inline(never)]
     fn ask(&mut self, now: u32, code: Option<u32>) {
         self.wake = self.node.wake(&mut self.state, now, code);
-        if N::BURSTS && self.is_listening && !matches!(self.wake.task, Task::Listen { .. }) {
+        if N::BURSTS && self.is_sampling && !matches!(self.wake.task, Task::Burst { .. }) {
             self.board.stop_sensor();
-            self.is_listening = false;
+            self.is_sampling = false;
         }
     }
 
@@ -298,7 +303,7 @@ where
     }
 
     /// Continues from the newest image of both slots after `gap`, with a reading of the voltage if the node was off, by way
-    /// of a buffer of at least [`image_size`] bytes. A listen that was under way gives no value.
+    /// of a buffer of at least [`image_size`] bytes. A burst that was under way gives no value.
     ///
     /// # Errors
     /// If there is no image of this node; the runner is then unchanged.
@@ -308,7 +313,7 @@ where
         let (_, slot) = self.newest_in_slots(buffer)?;
         let sequence = self.continue_from(slot, buffer)?;
         self.newest = Some((sequence, slot));
-        self.is_listening = false;
+        self.is_sampling = false;
         let is_known = gap == Gap::OnUntil(N::second(&self.state));
         let code = if is_known { None } else { self.board.storage_code() };
         self.wake = self.node.wake_after(&mut self.state, gap, code);

@@ -1,9 +1,13 @@
-//! What a board needs of a node, whatever the node needs to know.
+//! What a board needs of a node, whatever the node needs to know, and what each node tells.
 
-use super::Hearing;
-use crate::snapshot::Configuration;
+use super::Finding;
+use crate::snapshot::{Configuration, snapshot_fields, snapshot_variants};
 
-/// A node as its board sees it: [`VoltageNode`](super::VoltageNode), or [`Node`](super::Node), which takes bursts of samples
+/// Standard deviations in a bound. The vibration of machines jumps more often than a normal distribution has it: two would
+/// hold for nine hours of ten.
+pub(super) const BOUND: f32 = 2.5;
+
+/// A node as its board sees it: [`VoltageNode`](super::VoltageNode), or [`MapNode`](super::MapNode), which takes bursts of samples
 /// too. [`Runner`](super::Runner) drives either. Nothing waits: each call does a bounded amount of work.
 pub trait Tier: Configuration {
     /// Whether it takes bursts of samples. Without them none of their code is in a [`Runner`](super::Runner).
@@ -39,7 +43,7 @@ pub enum Task {
     /// Nothing.
     Sleep,
     /// Take so many samples, those of the start-up included, and give them to [`Tier::samples`].
-    Listen {
+    Burst {
         /// Samples that are still missing.
         samples: u32,
     },
@@ -65,9 +69,9 @@ pub struct Wake {
 pub enum Progress {
     /// So many samples are still missing.
     More(u32),
-    /// The listen is complete: switch the sensor off, and wake.
-    Heard(Hearing),
-    /// The node does not listen: switch the sensor off.
+    /// The burst is complete: switch the sensor off, and wake.
+    Done(Finding),
+    /// No burst is under way: switch the sensor off.
     Idle,
 }
 
@@ -87,3 +91,45 @@ pub enum Gap {
     /// The node was off for a time that no clock knows. The clock goes on from the second of the image.
     Unknown,
 }
+
+impl Gap {
+    /// Second of the clock at its end; `None` if no clock knows it.
+    pub(super) fn end(self) -> Option<u32> {
+        match self {
+            Self::OnUntil(now) | Self::OffUntil(now) | Self::LockedOutUntil(now) => Some(now),
+            Self::Unknown => None,
+        }
+    }
+}
+
+/// The income of a time with its bound.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct IncomeOfTime {
+    /// Seconds.
+    pub seconds: u32,
+    /// Harvested energy in J, before the charging efficiency.
+    pub energy: f32,
+    /// Bound of its error in J: two and a half standard deviations.
+    pub bound: f32,
+    /// Seconds of them in which the storage told nothing, as it was full or its energy unknown.
+    pub silent: u32,
+}
+
+snapshot_fields!(impl [] IncomeOfTime { seconds, energy, bound, silent });
+
+/// What a reading of the voltage was good for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StoreReading {
+    /// It told the income.
+    Used,
+    /// The storage may have been full since the reading before, or its energy was not known: the reading says nothing about
+    /// the income.
+    #[default]
+    Silent,
+    /// It did not come, was at an end of the converter, or so far off that the next reading must confirm it.
+    Refused,
+}
+
+snapshot_variants!(StoreReading { Used, Silent, Refused });

@@ -20,8 +20,8 @@ mod tests;
 pub use parameters::{Tolerances, VoltageParameters};
 
 use super::parameters::Regular;
-use super::state::{BOUND, IncomeOfTime};
-use super::{Gap, HOUR, StoreReading, Task, Tier, Wake, real};
+use super::tier::{BOUND, IncomeOfTime, StoreReading};
+use super::{Gap, HOUR, Task, Tier, Wake, real};
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
 
@@ -57,6 +57,15 @@ pub struct VoltageNode<const ACTIONS: usize> {
     /// Relative variances: of all changes of the energy, and of the leakage.
     scale: f32,
     leakage: f32,
+}
+
+/// What says something of the income since the last reading beside the voltage: an energy in J at the storage, the variance of
+/// its error, and a bound of an error that is the same at all times.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Beside {
+    pub(super) energy: f32,
+    pub(super) variance: f32,
+    pub(super) bound: f32,
 }
 
 /// The energies of a time.
@@ -113,6 +122,8 @@ pub struct VoltageState<const ACTIONS: usize> {
     attempted: u32,
     out: f32,
     leaked: f32,
+    /// The part of it that does not tell whether the storage was full.
+    drained: f32,
     /// Income in J of the last interval, its variance, and its seconds.
     income: f32,
     of_income: f32,
@@ -131,7 +142,7 @@ pub struct VoltageState<const ACTIONS: usize> {
 }
 
 snapshot_fields!(impl [const ACTIONS: usize] VoltageState<ACTIONS> {
-    second, read, variance, is_located, doubted, reading, since, attempted, out, leaked, income, of_income, over, asked, repeated,
+    second, read, variance, is_located, doubted, reading, since, attempted, out, leaked, drained, income, of_income, over, asked, repeated,
     readings, hour, closed, last_hour, rested,
 } if |state| {
     state.variance >= 0.0 && state.of_income >= 0.0
@@ -151,10 +162,14 @@ impl<const ACTIONS: usize> VoltageState<ACTIONS> {
         [Scalar::max(self.income, 0.0) * per_time, BOUND * Scalar::sqrt(self.of_income) * per_time]
     }
 
-    /// Stored energy in J without the income since the last reading, and its bound, by the stated capacitance.
-    #[must_use]
-    pub fn stored(&self) -> [f32; 2] {
-        [Scalar::max(self.energy(), 0.0), BOUND * Scalar::sqrt(self.variance)]
+    /// Seconds since the begin of the hour.
+    pub(super) fn seconds_of_hour(&self) -> u32 {
+        self.hour.seconds
+    }
+
+    /// Whether a reading of this second was used, or silent.
+    pub(super) fn is_just_read(&self) -> bool {
+        self.since == 0 && self.doubted == 0
     }
 
     /// The energy that is stored if there was no income since the last reading.
@@ -164,7 +179,7 @@ impl<const ACTIONS: usize> VoltageState<ACTIONS> {
 
     /// A reading was used.
     fn begin_interval(&mut self, read: f32) {
-        (self.read, self.out, self.leaked, self.since) = (read, 0.0, 0.0, 0);
+        (self.read, self.out, self.leaked, self.drained, self.since) = (read, 0.0, 0.0, 0.0, 0);
     }
 
     /// What the last reading of the voltage was good for; `None` before the first.
@@ -193,6 +208,69 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
         let mut all = state.closed;
         all.add(&state.hour);
         self.income(&all, state)
+    }
+
+    /// Stored energy in J without the income since the last reading, and its bound.
+    #[must_use]
+    pub fn stored(&self, state: &VoltageState<ACTIONS>) -> [f32; 2] {
+        let variance = state.variance + self.lasting_error(state.read, state.out);
+        [Scalar::max(state.energy(), 0.0), BOUND * Scalar::sqrt(variance)]
+    }
+
+    /// A harvested energy in J of a stored one.
+    pub(super) fn harvested(&self, stored: f32) -> f32 {
+        self.per_stored * stored
+    }
+
+    /// A stored energy in J of a harvested one.
+    pub(super) fn stored_of(&self, harvested: f32) -> f32 {
+        self.parameters.storage.charging_efficiency * harvested
+    }
+
+    /// Voltage of the storage in V.
+    pub(super) fn voltage(&self, state: &VoltageState<ACTIONS>) -> f32 {
+        let storage = &self.parameters.storage;
+        let square = 2.0 * Scalar::max(state.energy(), 0.0) / storage.capacitor.capacitance;
+        Scalar::min(Scalar::sqrt(square), storage.highest_voltage)
+    }
+
+    /// The harvested power in W between the last two readings, the variance of its error, and the part of that which is the same
+    /// at all times.
+    pub(super) fn told(&self, state: &VoltageState<ACTIONS>) -> [f32; 3] {
+        let per_time = self.per_stored / real(state.over.max(1));
+        let lasting = self.lasting_error(state.income, self.standing * real(state.over));
+        [state.income * per_time, state.of_income * per_time * per_time, lasting * per_time * per_time]
+    }
+
+    /// Seconds between the last two readings.
+    pub(super) fn last_interval(&self, state: &VoltageState<ACTIONS>) -> u32 {
+        state.over
+    }
+
+    /// Bound in J of the error of an hour by the voltage alone: of the last one, or of two readings.
+    pub(super) fn bound_of_an_hour(&self, state: &VoltageState<ACTIONS>) -> f32 {
+        match state.last_hour {
+            Some(IncomeOfTime { bound, silent: 0, .. }) => bound,
+            _ => self.per_stored * BOUND * Scalar::sqrt(2.0 * self.noise * state.read),
+        }
+    }
+
+    /// Whether an energy in J at the load leaves the lock-out.
+    pub(super) fn affords(&self, state: &VoltageState<ACTIONS>, energy: f32) -> bool {
+        state.is_located && state.energy() - self.drawn_per_used * energy > self.lock_out
+    }
+
+    /// The variance of a change of the energy and of what left beside it, by what is off at all times.
+    fn lasting_error(&self, change: f32, out: f32) -> f32 {
+        let Tolerances { standing, action, .. } = self.parameters.tolerances;
+        let of_out = Scalar::max(standing, action) * out;
+        self.scale * change * change + of_out * of_out
+    }
+
+    /// Energy in J at the load that the readings took since the start.
+    #[must_use]
+    pub fn spent_on_readings(&self, state: &VoltageState<ACTIONS>) -> f32 {
+        real(state.readings) * self.parameters.reading
     }
 
     /// The variance of the income of a time up to the last reading.
@@ -225,7 +303,7 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
     }
 
     /// Books energy in J at the load that is spent now.
-    fn spend(&self, state: &mut VoltageState<ACTIONS>, used: f32) {
+    pub(super) fn spend(&self, state: &mut VoltageState<ACTIONS>, used: f32) {
         let drawn = self.drawn_per_used * used;
         state.out += drawn;
         state.hour.spent += drawn;
@@ -234,7 +312,9 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
     /// Advances the time to `now`. Of an interval in which the clock went back nothing is said.
     fn advance(&self, state: &mut VoltageState<ACTIONS>, now: u32, is_on: bool) -> u32 {
         let seconds = now.saturating_sub(state.second);
-        state.is_located &= now >= state.second;
+        if now < state.second {
+            self.lose(state);
+        }
         state.second = now;
         if seconds == 0 {
             return 0;
@@ -257,9 +337,16 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
         seconds
     }
 
-    /// Takes in a reading of the voltage.
+    /// The stored energy is unknown: of the time since the last reading nothing is said.
+    fn lose(&self, state: &mut VoltageState<ACTIONS>) {
+        if core::mem::replace(&mut state.is_located, false) {
+            state.hour.silent = state.hour.silent.saturating_add(state.since);
+        }
+    }
+
+    /// Takes in a reading of the voltage. `beside` is what else says something of the income since the last one.
     #[inline(never)]
-    fn observe(&self, state: &mut VoltageState<ACTIONS>, code: u32) {
+    fn observe(&self, state: &mut VoltageState<ACTIONS>, code: u32, beside: Option<Beside>) {
         let code = code.min(self.full_code);
         let read = self.per_code * real(code * code);
         let noise = self.noise * read;
@@ -286,7 +373,9 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
         let income = read - state.read + out;
         // No income is below 0 or above the largest one, and what left may be twice what is booked.
         let beyond = Scalar::max(-income, income - most) - out;
-        let is_possible = code > 0 && (beyond <= 0.0 || beyond * beyond <= GATE * GATE * of_both);
+        // The end of the converter may be a glitch too.
+        let is_end = code == self.full_code && state.reading != Some(StoreReading::Silent);
+        let is_possible = code > 0 && !is_end && (beyond <= 0.0 || beyond * beyond <= GATE * GATE * of_both);
         let is_confirmed = state.doubted > 0 && code.abs_diff(state.doubted) <= code / 64 + 2;
         if !is_possible && !is_confirmed {
             state.doubted = if state.doubted > 0 { 0 } else { code };
@@ -295,6 +384,9 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
         }
         state.doubted = 0;
         state.reading = Some(StoreReading::Used);
+        if !is_possible {
+            state.hour.doubt += Scalar::max(beyond, 0.0);
+        }
         if state.since == 0 {
             let part = state.variance / of_both;
             state.variance = Scalar::max(part * noise, self.lasting * read);
@@ -305,16 +397,25 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
         state.hour.leaked += leaked;
         let curved = leaked * Scalar::min(ratio, 12.0) * (1.0 / 12.0);
         state.hour.once += curved * curved;
-        if code == self.full_code || read + out >= self.full {
+        if code == self.full_code || read + out - state.drained >= self.full {
             let usual = state.income * time / real(state.over.max(1));
-            let guess = Scalar::min(Scalar::max(usual, income), Scalar::max(most, income));
+            let beside = beside.unwrap_or(Beside {
+                energy: Scalar::min(usual, most),
+                variance: 0.0,
+                bound: f32::INFINITY,
+            });
+            let guess = Scalar::max(beside.energy, income);
+            // No income was below what is stored now, or above the largest one.
+            let doubt = Scalar::min(beside.bound, Scalar::max(most - income, 0.0));
             state.hour.shunted += guess - income;
-            state.hour.doubt += Scalar::max(most - income, 0.0);
+            state.hour.doubt += doubt;
+            state.hour.once += beside.variance;
             state.hour.silent = state.hour.silent.saturating_add(state.since);
             state.reading = Some(StoreReading::Silent);
-            (state.income, state.of_income) = (guess, most * most);
+            (state.income, state.of_income) = (guess, beside.variance + doubt * doubt);
         } else {
-            (state.income, state.of_income) = (income, of_both);
+            let lasting = self.lasting_error(read - state.read, state.out);
+            (state.income, state.of_income) = (income, of_both + lasting);
         }
         state.over = state.since;
         state.begin_interval(read);
@@ -328,6 +429,12 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
             return longest;
         }
         (room / (2.0 * state.income)).to_u32().max(shortest).min(longest)
+    }
+
+    /// Whether the storage is full after the next readings, and not yet.
+    pub(super) fn fills_up(&self, state: &VoltageState<ACTIONS>) -> bool {
+        let [_, longest] = self.parameters.intervals;
+        state.reading == Some(StoreReading::Used) && self.interval(state) < longest
     }
 
     /// Whether an action leaves the reserve, and by the bound of the energy no less than the lock-out, if there was no income since
@@ -389,11 +496,17 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
     }
 
     /// Ends a time with a reading or without one, which `is_missing` if it was asked for.
-    fn conclude(&self, state: &mut VoltageState<ACTIONS>, code: Option<u32>, is_missing: bool) -> Wake {
+    fn conclude(
+        &self,
+        state: &mut VoltageState<ACTIONS>,
+        code: Option<u32>,
+        is_missing: bool,
+        beside: Option<Beside>,
+    ) -> Wake {
         if let Some(code) = code {
-            self.observe(state, code);
+            self.observe(state, code, beside);
         } else if is_missing {
-            state.doubted = 0;
+            (state.doubted, state.reading) = (0, Some(StoreReading::Refused));
         }
         if code.is_some() || is_missing {
             (state.attempted, state.readings) = (0, state.readings.saturating_add(1));
@@ -409,19 +522,58 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
         let VoltageParameters { reading, intervals: [shortest, _], tolerances, actions, .. } =
             &self.parameters;
         let mut power = reading / real(*shortest);
+        let mut once = 0.0;
         for action in actions {
             power += action.energy / real(action.every);
+            // It may have been due at the begin.
+            once += action.energy;
         }
         power *= self.drawn_per_used;
         if with_standing {
             power += self.standing * (1.0 + BOUND * tolerances.standing);
         }
-        let there = Scalar::max(state.read - self.lock_out, 0.0) + self.largest * real(seconds);
+        let there = Scalar::max(state.energy() - self.lock_out, 0.0) + self.largest * real(seconds);
         // Each energy is as likely.
-        let half = 0.5 * Scalar::min(power * real(seconds), there);
+        let half = 0.5 * Scalar::min(power * real(seconds) + self.drawn_per_used * once, there);
         state.out += half;
+        // It was at the lock-out after all that was drawn; of a node that went on, what it may have drawn says nothing.
+        state.drained = if with_standing { state.out } else { half };
         state.hour.spent += half;
         state.hour.once += half * half * (1.0 / 3.0);
+    }
+
+    /// As [`Tier::wake`], with what else says something of the income since the last reading.
+    pub(super) fn wake_with(
+        &self,
+        state: &mut VoltageState<ACTIONS>,
+        now: u32,
+        code: Option<u32>,
+        beside: Option<Beside>,
+    ) -> Wake {
+        let seconds = self.advance(state, now, true);
+        let is_missing = code.is_none() && seconds >= state.asked;
+        self.conclude(state, code, is_missing, beside)
+    }
+
+    /// As [`Tier::wake_after`], with what else says something of the income since the last reading.
+    pub(super) fn wake_after_with(
+        &self,
+        state: &mut VoltageState<ACTIONS>,
+        gap: Gap,
+        code: Option<u32>,
+        beside: Option<Beside>,
+    ) -> Wake {
+        let (now, is_on) = (gap.end().unwrap_or(state.second), matches!(gap, Gap::OnUntil(_)));
+        state.doubted = 0;
+        if gap == Gap::Unknown {
+            self.lose(state);
+        }
+        let seconds = self.advance(state, now, is_on);
+        let is_off = matches!(gap, Gap::OffUntil(_));
+        if state.is_located && seconds > 0 && !is_off {
+            self.draw_at_most(state, seconds, !is_on);
+        }
+        self.conclude(state, code, false, beside)
     }
 }
 
@@ -438,6 +590,7 @@ impl<const ACTIONS: usize> Tier for VoltageNode<ACTIONS> {
             attempted: 0,
             out: 0.0,
             leaked: 0.0,
+            drained: 0.0,
             income: 0.0,
             of_income: 0.0,
             over: 0,
@@ -457,27 +610,13 @@ impl<const ACTIONS: usize> Tier for VoltageNode<ACTIONS> {
 
     #[inline(never)]
     fn wake(&self, state: &mut VoltageState<ACTIONS>, now: u32, code: Option<u32>) -> Wake {
-        let seconds = self.advance(state, now, true);
-        let is_missing = code.is_none() && seconds >= state.asked;
-        self.conclude(state, code, is_missing)
+        self.wake_with(state, now, code, None)
     }
 
     #[cold]
     #[inline(never)]
     fn wake_after(&self, state: &mut VoltageState<ACTIONS>, gap: Gap, code: Option<u32>) -> Wake {
-        let (now, is_on) = match gap {
-            Gap::OnUntil(now) => (now, true),
-            Gap::OffUntil(now) | Gap::LockedOutUntil(now) => (now, false),
-            Gap::Unknown => (state.second, false),
-        };
-        state.doubted = 0;
-        state.is_located &= gap != Gap::Unknown;
-        let seconds = self.advance(state, now, is_on);
-        let is_off = matches!(gap, Gap::OffUntil(_));
-        if state.is_located && seconds > 0 && !is_off {
-            self.draw_at_most(state, seconds, !is_on);
-        }
-        self.conclude(state, code, false)
+        self.wake_after_with(state, gap, code, None)
     }
 }
 

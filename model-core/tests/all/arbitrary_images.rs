@@ -163,7 +163,7 @@ fn a_node_by_the_voltage_of_arbitrary_bytes_is_refused_or_works() {
             let wake = node.wake(&mut state, now, Some(code));
             assert!(wake.again_in <= 3600, "{wake:?}");
         }
-        let [stored, bound] = state.stored();
+        let [stored, bound] = node.stored(&state);
         assert!(stored.is_finite() && bound.is_finite(), "{stored} {bound}");
     });
 }

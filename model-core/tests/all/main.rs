@@ -19,7 +19,6 @@ mod estimator;
 mod excitations;
 mod exponential_radau;
 mod hidden_crossings;
-mod listening;
 mod node_example;
 mod node_image;
 mod prothero_robinson;

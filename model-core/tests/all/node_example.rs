@@ -1,4 +1,4 @@
-//! The example of a node.
+//! The map of the example of a node.
 
 #[allow(dead_code, reason = "the example's own output")]
 #[path = "../../examples/node.rs"]
@@ -6,26 +6,7 @@ mod node;
 
 use model_core::energy::ResponseMap;
 use model_core::excitation::LineBank;
-use model_core::node::{Hearing, Modelled};
-
-#[test]
-fn the_node_of_the_example_tells_its_day_within_its_bound_for_about_a_hundredth_of_it() {
-    let day = node::days(1).expect("a day");
-    let error = (day.told - day.truth).abs();
-    assert!(error <= day.bound && day.bound < 0.15 * day.truth, "{error} {} {}", day.bound, day.truth);
-    assert!(day.hours >= 20 && day.inside + 2 >= day.hours, "{} of {}", day.inside, day.hours);
-    assert!(day.share > 0.0 && day.share < 0.02, "{}", day.share);
-}
-
-#[test]
-fn the_node_of_the_example_lives_through_its_nights() {
-    let days = node::days(5).expect("days");
-    assert!(days.lowest > 1.9 && days.truth > 0.0, "{} V", days.lowest);
-    assert!((days.told - days.truth).abs() <= days.bound, "{} ± {}, {}", days.told, days.bound, days.truth);
-    // An action that is due and refused waits for the next reading.
-    assert!(days.readings < 5 * 100 && days.share < 0.01, "{} {}", days.readings, days.share);
-    assert!(20 * days.inside >= 19 * days.hours, "{} of {}", days.inside, days.hours);
-}
+use model_core::node::{Finding, Modelled};
 
 #[test]
 fn a_sensor_that_is_exactly_still_is_at_rest_as_a_noisy_one_is() {
@@ -49,7 +30,7 @@ fn a_sensor_that_is_exactly_still_is_at_rest_as_a_noisy_one_is() {
                 .collect();
             let (_, lines) = bank.take(&mut state, &samples);
             let modelled = Modelled::of_blocks(&map, &[lines.expect("a block")], 3.0);
-            assert_eq!(modelled.hearing, Hearing::Rest, "{resonance} Hz, {mean} and {noise} counts");
+            assert_eq!(modelled.finding, Finding::Rest, "{resonance} Hz, {mean} and {noise} counts");
             assert!(modelled.lower.value == 0.0 && modelled.lower.noise > 0.0, "{modelled:?}");
         }
     }

@@ -3,78 +3,57 @@
 mod power_downs;
 
 use firmware_example::workload::response_map::contact_separation::{FINGERPRINT, MAP};
-use model_core::energy::{
-    BudgetParameters, Capacitor, IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
-};
+use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
 use model_core::excitation::LineBank;
 use model_core::node::{
-    Board, Converter, Fault, Gap, Hearing, IncomeOfTime, KnowingCost, Node, NodeError, NodeParameters,
-    NodeState, Progress, Regular, Runner, SaveError, Sensor, Spread, Step, Task, Tier,
+    Board, Bursts, Converter, Fault, Finding, Gap, IncomeOfTime, MapNode, MapParameters, MapState, NodeError,
+    Regular, Runner, SaveError, Sensor, Step, Tier, Tolerances, VoltageParameters,
 };
-use model_core::snapshot::{self, SnapshotError};
+use model_core::snapshot::SnapshotError;
 
 const RATE: f32 = 100.0;
 const UNIT: f32 = 9.806_65 / 1024.0;
 const SLOT_BYTES: usize = 1024;
 
-type OneNode = Node<&'static [u16], 20, 32, 24, 2>;
-type OneState = NodeState<32, 24, 2>;
+type OneNode = MapNode<&'static [u16], 20, 32, 2>;
+type OneState = MapState<32, 2>;
 type OneRunner = Runner<'static, Bench, OneNode>;
 
-fn parameters() -> NodeParameters<2> {
-    NodeParameters {
-        budget: BudgetParameters {
-            storage: StorageParameters {
-                capacitor: Capacitor { capacitance: 1e-3, leakage_resistance: 1e8 },
-                charging_efficiency: 0.9,
-                discharging_efficiency: 0.9,
-                highest_voltage: 4.5,
-                lock_out_voltage: 1.8,
-                turn_on_voltage: 2.2,
-            },
-            income: IncomeParameters { time_constant: 14_400.0, day_weight: 0.5 },
-            standing_power: 0.3e-6,
+/// A burst each hour, though the storage tells.
+const PARAMETERS: MapParameters<2> = MapParameters {
+    voltage: VoltageParameters {
+        storage: StorageParameters {
+            capacitor: Capacitor { capacitance: 1e-3, leakage_resistance: 1e8 },
+            charging_efficiency: 0.9,
+            discharging_efficiency: 0.9,
+            highest_voltage: 4.5,
+            lock_out_voltage: 1.8,
+            turn_on_voltage: 2.2,
         },
         converter: Converter { bits: 12, full_scale: 5.0, noise: 0.6e-3 },
-        listening: ListeningParameters {
-            share: 0.01,
-            error: 0.02,
-            horizon: 3600.0,
-            shortest: 300,
-            doublings: 4,
-        },
-        sensor: Sensor { rate: RATE, start_up: 4, blocks: 1, clipped: 32_000 },
-        cost: KnowingCost {
-            listen: 20e-6,
-            reading: 1e-6,
-            reading_share: 0.01,
-            shortest_reading: 60,
-            reading_doublings: 4,
-        },
-        spread: Spread {
-            gain: 1.0,
-            gain_drift: 0.1,
-            standing: 0.2,
-            action: 0.02,
-            income: 0.5,
-            gain_by_place: 0.5,
-            highest_voltage: 0.03,
-            power: 100e-6,
-        },
+        standing_power: 0.3e-6,
+        reading: 1e-6,
+        intervals: [60, 300],
+        tolerances: Tolerances { standing: 0.2, action: 0.02, ..Tolerances::EXACT },
+        largest_power: 100e-6,
         reserve: 1e-3,
         actions: [Regular { energy: 50e-6, every: 60 }, Regular { energy: 300e-6, every: 300 }],
-    }
-}
+    },
+    sensor: Sensor { rate: RATE, start_up: 4, blocks: 1, clipped: 32_000 },
+    bursts: Bursts { energy: 20e-6, worth: 10.0, shortest: 60, check: 3600 },
+    gain: 1.0,
+    gain_drift: 0.1,
+};
 
 /// A node with a bank for the rate and the resonance given in Hz.
-fn built(parameters: NodeParameters<2>, rate: f32, resonance: f32) -> Result<OneNode, NodeError> {
+fn built(parameters: MapParameters<2>, rate: f32, resonance: f32) -> Result<OneNode, NodeError> {
     let map = ResponseMap::new(&MAP[..], FINGERPRINT).expect("a map");
     let bank = LineBank::new(rate, resonance, 0.1, UNIT).expect("fits");
-    Node::new(map, bank, parameters)
+    MapNode::new(map, bank, parameters)
 }
 
 fn node() -> &'static OneNode {
-    Box::leak(Box::new(built(parameters(), RATE, 20.13).expect("valid")))
+    Box::leak(Box::new(built(PARAMETERS, RATE, 20.13).expect("valid")))
 }
 
 /// What a write to the memory of a [`Bench`] does.
@@ -171,6 +150,7 @@ impl Board for Bench {
             return Err(Fault);
         }
         (self.is_on, self.taken, self.started) = (true, 0, self.second);
+        self.energy -= 20e-6 / 0.9;
         Ok(())
     }
 
@@ -230,7 +210,10 @@ fn resumed(mut board: Bench) -> OneRunner {
 
 /// Steps to the next time at which the node is idle after a sleep.
 fn step(runner: &mut OneRunner) {
-    while runner.step() != Step::Slept || !runner.is_idle() {}
+    let mut has_slept = false;
+    while !(has_slept && runner.is_idle()) {
+        has_slept |= runner.step() == Step::Slept;
+    }
 }
 
 fn assert_inside(hour: IncomeOfTime) {
@@ -242,12 +225,12 @@ fn assert_inside(hour: IncomeOfTime) {
 fn a_node_that_loses_its_power_each_few_steps_ends_with_the_same_bits() {
     let day = |every: u32| {
         let mut runner = OneRunner::new(Bench::new(), node(), 0);
-        let (mut heard, mut slept) = (0, 0);
-        while runner.state().second() < 86_400 {
+        let (mut bursts, mut slept) = (0, 0);
+        while OneNode::second(runner.state()) < 86_400 {
             match runner.step() {
-                Step::Heard(hearing) => {
-                    assert_eq!(hearing, Hearing::Line);
-                    heard += 1;
+                Step::Burst(finding) => {
+                    assert_eq!(finding, Finding::Line);
+                    bursts += 1;
                 }
                 Step::Slept => {
                     slept += 1;
@@ -260,7 +243,7 @@ fn a_node_that_loses_its_power_each_few_steps_ends_with_the_same_bits() {
             }
         }
         let state = *runner.state();
-        (state, runner.into_board().ran, heard)
+        (state, runner.into_board().ran, bursts)
     };
     let whole = day(u32::MAX);
     assert!(whole.1[0] > 300 && whole.1[1] > 50 && whole.2 > 5, "{:?} {}", whole.1, whole.2);
@@ -297,20 +280,18 @@ fn a_write_that_is_torn_at_any_byte_leaves_the_image_before_it() {
     let mut runner = OneRunner::new(Bench::new(), node(), 0);
     let mut buffer = [0; SLOT_BYTES];
     assert_eq!(runner.resume(&mut buffer, Gap::OffUntil(0)), Err(SnapshotError::NotASnapshot));
-    assert_eq!(runner.state().second(), 0);
+    assert_eq!(OneNode::second(runner.state()), 0);
 }
 
 #[test]
-fn a_sensor_that_fails_costs_no_more_than_its_listens_and_the_storage_tells_the_income() {
+fn a_sensor_that_fails_costs_no_more_than_its_bursts_and_the_storage_tells_the_income() {
     let mut runner = OneRunner::new(Bench { fails: true, ..Bench::new() }, node(), 0);
-    while runner.state().second() < 43_200 {
-        assert!(!matches!(runner.step(), Step::Heard(_)));
+    while OneNode::second(runner.state()) < 43_200 {
+        assert!(!matches!(runner.step(), Step::Burst(_)));
     }
-    let state = *runner.state();
-    assert_eq!(state.instruments()[1], 0);
-    let hour = state.last_hour().expect("hours");
-    assert_inside(hour);
-    assert!(state.share_spent_on_knowing() < 0.05, "{}", state.share_spent_on_knowing());
+    assert_inside(runner.state().last_hour().expect("hours"));
+    let spent = f64::from(node().spent_on_knowing(runner.state()));
+    assert!(runner.state().bursts() > 5 && spent < 0.01 * POWER * 43_200.0, "{spent}");
 }
 
 #[test]
@@ -329,7 +310,7 @@ fn a_memory_that_fails_is_told_and_leaves_the_only_image() {
         }
         // The first slot has lost its image, and the second one was not touched.
         let board = Bench { memory: Memory::Works, ..runner.into_board() };
-        let mut runner = resumed(Bench { second: saved.second(), ..board });
+        let mut runner = resumed(Bench { second: OneNode::second(&saved), ..board });
         assert_eq!(*runner.state(), saved, "{memory:?}");
         step(&mut runner);
         assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Ok(3));
@@ -344,7 +325,7 @@ fn an_image_of_a_save_that_failed_is_not_taken_for_a_later_one() {
     // The second image is whole in its slot, and the node does not know it.
     for memory in [Memory::Garbles, Memory::Ignores] {
         runner.board_mut().memory = memory;
-        while runner.state().second() < 28_800 {
+        while OneNode::second(runner.state()) < 28_800 {
             step(&mut runner);
         }
         assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Err(SaveError::Memory), "{memory:?}");
@@ -353,40 +334,43 @@ fn an_image_of_a_save_that_failed_is_not_taken_for_a_later_one() {
 }
 
 #[test]
-fn what_was_learnt_survives_an_update_of_all_but_map_bank_slots_and_storage() {
+fn what_was_learnt_survives_an_update_of_all_but_map_bank_and_storage() {
     let mut runner = OneRunner::new(Bench::new(), node(), 0);
     step(&mut runner);
     runner.save(&mut [0; SLOT_BYTES]).expect("room");
     let board = runner.into_board();
-    let resumed = |change: fn(&mut NodeParameters<2>)| {
-        let mut parameters = parameters();
+    let resumed = |change: fn(&mut MapParameters<2>)| {
+        let mut parameters = PARAMETERS;
         change(&mut parameters);
         let node = built(parameters, RATE, 20.13).expect("valid");
         let mut runner = OneRunner::new(board.clone(), Box::leak(Box::new(node)), board.second);
         runner.resume(&mut [0; SLOT_BYTES], Gap::OnUntil(board.second))
     };
-    let changes: [fn(&mut NodeParameters<2>); 9] = [
-        |of| of.reserve *= 1.01,
-        |of| of.actions[0].every += 1,
-        |of| of.actions[1].energy = 303e-6,
-        |of| of.cost.listen *= 1.01,
-        |of| of.cost.reading_share *= 1.01,
-        |of| of.cost.shortest_reading += 1,
-        |of| of.listening.share *= 1.01,
-        |of| of.listening.shortest += 3,
-        |of| of.budget.standing_power *= 1.01,
+    let changes: [fn(&mut MapParameters<2>); 9] = [
+        |of| of.voltage.reserve *= 1.01,
+        |of| of.voltage.actions[0].every += 1,
+        |of| of.voltage.actions[1].energy = 303e-6,
+        |of| of.voltage.reading *= 1.01,
+        |of| of.voltage.standing_power *= 1.01,
+        |of| of.bursts.energy *= 1.01,
+        |of| of.bursts.worth *= 1.01,
+        |of| of.bursts.shortest += 1,
+        |of| of.gain *= 1.01,
     ];
     for (index, change) in changes.into_iter().enumerate() {
         assert_eq!(resumed(change), Ok(1), "{index}");
     }
-    let other = |of: &mut NodeParameters<2>| of.budget.storage.capacitor.capacitance *= 1.01;
+    let other = |of: &mut MapParameters<2>| of.voltage.storage.capacitor.capacitance *= 1.01;
     assert_eq!(resumed(other), Err(SnapshotError::ForeignModel));
 }
 
 #[test]
 fn an_image_is_saved_by_an_idle_node_only_and_needs_room() {
     let mut runner = OneRunner::new(Bench::new(), node(), 0);
-    assert!(!runner.is_idle(), "the first task is a listen");
+    runner.state_mut().ask_for_burst();
+    while runner.is_idle() {
+        runner.step();
+    }
     assert_eq!(runner.save(&mut [0; SLOT_BYTES]), Err(SaveError::NotIdle));
     step(&mut runner);
     let needed = OneRunner::image_bytes();
@@ -416,28 +400,9 @@ fn an_image_of_a_node_that_begins_anew_is_newer_than_those_of_its_former_life() 
 }
 
 #[test]
-fn a_start_up_that_is_cut_short_begins_again() {
-    let node = node();
-    let mut state = node.start(0);
-    let code = Bench::new().storage_code();
-    let Task::Listen { samples } = node.wake(&mut state, 0, code).task else { panic!("a listen") };
-    // Two of the four samples of the start-up, then the node loses its memory.
-    assert_eq!(node.samples(&mut state, &[1024; 2]), Progress::More(samples - 2));
-    let mut board = Bench::new();
-    snapshot::save_image(&node, &state, 1, &mut board.slots[0]).expect("room");
-    let mut runner = resumed(board);
-    let mut end = Step::Sampled;
-    while end == Step::Sampled {
-        end = runner.step();
-    }
-    assert_eq!(end, Step::Heard(Hearing::Line));
-    assert_eq!(runner.into_board().taken, samples);
-}
-
-#[test]
 fn parameters_that_do_not_fit_are_refused_with_their_name_and_value() {
-    let refused = |change: fn(&mut NodeParameters<2>)| {
-        let mut parameters = parameters();
+    let refused = |change: fn(&mut MapParameters<2>)| {
+        let mut parameters = PARAMETERS;
         change(&mut parameters);
         built(parameters, RATE, 20.13).expect_err("refused").to_string()
     };
@@ -445,19 +410,19 @@ fn parameters_that_do_not_fit_are_refused_with_their_name_and_value() {
         refused(|p| p.sensor.start_up = 70_000),
         "sensor.start_up = 70000.0 must be from 0.0 to 10000.0"
     );
-    assert_eq!(refused(|p| p.actions[1].every = 0), "actions.1.every = 0.0 must be from 1.0 to 10000000.0");
-    assert_eq!(refused(|p| p.converter.bits = 40), "converter.bits = 40.0 must be from 4.0 to 16.0");
-    assert!(refused(|p| p.budget.standing_power = -1.0).starts_with("budget.standing_power = -1.0"));
-    assert!(refused(|p| p.listening.share = 2.0).starts_with("listening.share = 2.0"));
+    let every = refused(|p| p.voltage.actions[1].every = 0);
+    assert_eq!(every, "actions.1.every = 0.0 must be from 1.0 to 10000000.0");
+    let bits = refused(|p| p.voltage.converter.bits = 40);
+    assert_eq!(bits, "bits = 40.0 must be from 4.0 to 16.0");
     assert_eq!(
         refused(|p| p.sensor.rate = 1600.0),
         "sensor.rate = 1600.0 must be 100.0, the rate of the bank of lines"
     );
-    let mut day = parameters();
-    day.actions[1].every = 86_400;
+    let mut day = PARAMETERS;
+    day.voltage.actions[1].every = 86_400;
     assert!(built(day, RATE, 20.13).is_ok());
     // A bank whose rate is a rounding off, and one for another resonance than that of the map.
-    assert!(built(parameters(), f32::from_bits(RATE.to_bits() + 1), 20.13).is_ok());
-    let other = built(parameters(), RATE, 35.0).expect_err("refused");
+    assert!(built(PARAMETERS, f32::from_bits(RATE.to_bits() + 1), 20.13).is_ok());
+    let other = built(PARAMETERS, RATE, 35.0).expect_err("refused");
     assert!(matches!(other, NodeError::Band { band: [low, high] } if low < 35.0 && high > 35.0), "{other:?}");
 }

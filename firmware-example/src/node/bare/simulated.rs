@@ -1,5 +1,5 @@
 //! The registers of a microcontroller in memory: a clock, a converter, an ADXL362, two pages of flash. By them the program runs
-//! through three days, each listen, action and image included, and its stack is measured.
+//! through three days, each burst, action and image included, and its stack is measured.
 
 use core::cell::UnsafeCell;
 use core::hint::black_box;
@@ -219,7 +219,7 @@ fn calls<N: Tier<State: Copy>, const IMAGE: usize>(make: impl Fn() -> N) {
     let (mut readings, mut spent, mut second) = (0, 0, 0);
     let mut wake = Wake { task: Task::Sleep, again_in: 0, read: true };
     while readings < READINGS {
-        if let Task::Listen { samples } = wake.task {
+        if let Task::Burst { samples } = wake.task {
             for _ in 0..samples.div_ceil(128) {
                 ticks(&mut || _ = black_box(node.samples(&mut state, &black_box([1000; 128]))));
             }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use firmware_example::node::parts::{LISTEN, RATE};
+use firmware_example::node::parts::{BURST, RATE};
 use firmware_example::node::{Entry, IMAGE_BYTES, Work};
 use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor};
 use model_core::node::IncomeOfTime;
@@ -114,13 +114,13 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
     rows.push(all.cells("the day".to_owned()));
     let with_income = hours.iter().filter(|hour| hour.income > 0.0);
     let inside = hours.iter().filter(|hour| hour.is_inside()).count();
-    let [readings, listens] = last.instruments;
+    let [readings, bursts] = last.instruments;
     let [measured, transmitted] = last.ran;
     let Bare { size: bare, memory, .. } = found.bare;
     let ram = bare.static_ram + memory.stack;
     let note = format!(
         "{core}. Income in uW until that time of the day, told with its bound, and that of the plant. Inside: {inside} of {} hours, of which
-{} have an income. {readings} readings, {listens} listens with a value, {measured} measurements, {transmitted} transmissions.
+{} have an income. {readings} readings, {bursts} bursts, {measured} measurements, {transmitted} transmissions.
 By its own books the node spent {:.2} % of the income on knowing it.
 {} losses of power; after each the node came to the same bits. Each logged value has the host's bits.
 The node on a board takes {} bytes of flash, map included, and two pages for images of {IMAGE_BYTES} bytes. RAM: {} bytes, of which
@@ -146,7 +146,7 @@ With the log, the simulated memory and the plant: flash {}, static RAM {}, stack
     let mut day = all.json(core, "day");
     let more = json!({
         "readings": readings,
-        "listens": listens,
+        "bursts": bursts,
         "share_of_income": f64::from(last.knowing) / all.income,
         "losses_of_power": found.losses,
         "flash_bytes": bare.flash,
@@ -170,11 +170,10 @@ With the log, the simulated memory and the plant: flash {}, static RAM {}, stack
 fn counted(core: Core, found: &Followed, output: &mut Output) {
     let name = |work: &str| match work {
         "reading" => "wake with a reading of the voltage",
-        "glance" => "wake with a glance",
         "wake" => "wake without one",
         "action" => "wake after an action",
-        "samples" => "a burst of samples",
-        "heard" => "the last burst of a block, its look-up, and the wake after it",
+        "samples" => "samples of a burst",
+        "burst" => "the last samples of a block, its look-up, and the wake after it",
         _ => "?",
     };
     let called = || found.counted.iter().filter(|counted| counted.calls > 0.0);
@@ -266,33 +265,26 @@ fn knowing(core: Core, found: &Followed, output: &mut Output) -> Vec<(&'static s
         found.counted.iter().find(|counted| counted.work == name).map_or(f64::NAN, |counted| counted.calls)
     };
     let reading = instructions(&[Work::Reading]) / number(Work::Reading);
-    let glance = instructions(&[Work::Glance]) / number(Work::Glance).max(1.0);
-    let listen = instructions(&[Work::Samples, Work::Heard]) / number(Work::Heard);
+    let burst = instructions(&[Work::Samples, Work::Burst]) / number(Work::Burst);
     let readings = f64::from(calls(&found.whole, Work::Reading).calls);
-    let glances = f64::from(calls(&found.whole, Work::Glance).calls);
-    let listens = f64::from(calls(&found.whole, Work::Heard).calls);
+    let bursts = f64::from(calls(&found.whole, Work::Burst).calls);
     let income = joules(found.whole.world.plant().income);
-    let lines: Vec<(Processor<f64>, [f64; 4])> = parts(core)
+    let lines: Vec<(Processor<f64>, [f64; 3])> = parts(core)
         .into_iter()
         .filter_map(|part| {
             let model = CostModel::new(part, Accelerometer::adxl362());
-            let of_code = |instructions: f64| {
-                model.voltage_reading.value
-                    + model.start_energy()
-                    + model.processor.computing(instructions, Code::Filter)
-            };
-            let [reading, glance] = [reading, glance].map(of_code);
-            let listen = model.listen(LISTEN, RATE.into(), listen, Code::Filter)?.total();
-            let all = readings * reading + glances * glance + listens * listen;
-            Some((part, [reading, glance, listen, all / income]))
+            let reading = model.voltage_reading.value
+                + model.start_energy()
+                + model.processor.computing(reading, Code::Filter);
+            let burst = model.listen(BURST, RATE.into(), burst, Code::Filter)?.total();
+            Some((part, [reading, burst, (readings * reading + bursts * burst) / income]))
         })
         .collect();
-    let rows = lines.iter().map(|(part, [reading, glance, listen, share])| {
+    let rows = lines.iter().map(|(part, [reading, burst, share])| {
         vec![
             marked(part),
             format!("{:.2}", 1e6 * reading),
-            if glances > 0.0 { format!("{:.2}", 1e6 * glance) } else { String::new() },
-            format!("{:.2}", 1e6 * listen),
+            format!("{:.2}", 1e6 * burst),
             format!("{:.3} %", 100.0 * share),
         ]
     });
@@ -300,24 +292,18 @@ fn knowing(core: Core, found: &Followed, output: &mut Output) -> Vec<(&'static s
         return Vec::new();
     }
     let note = format!(
-        "{core}. Energy in uJ by the instructions of the table above, with sensor, transfer, wake-ups and converter: {readings} readings,
-{glances} glances and {listens} listens in the day. {UNCONFIRMED} marks an energy per cycle that was not confirmed."
+        "{core}. Energy in uJ by the instructions of the table above, with sensor, transfer, wake-ups and converter: {readings} readings
+and {bursts} bursts in the day. {UNCONFIRMED} marks an energy per cycle that was not confirmed."
     );
-    output.table(
-        vec!["part", "a reading", "a glance", "a listen", "of the income"],
-        rows.collect(),
-        1,
-        &note,
-    );
-    for (part, [reading, glance, listen, share]) in &lines {
+    output.table(vec!["part", "a reading", "a burst", "of the income"], rows.collect(), 1, &note);
+    for (part, [reading, burst, share]) in &lines {
         output.object(json!({
             "core": core.to_string(),
             "variant": "node",
             "case": "knowing",
             "part": part.name,
             "reading_j": reading,
-            "glance_j": if glances > 0.0 { Some(glance) } else { None },
-            "listen_j": listen,
+            "burst_j": burst,
             "share_of_income": share,
         }));
     }

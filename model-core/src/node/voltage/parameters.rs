@@ -78,8 +78,9 @@ impl<const ACTIONS: usize> VoltageParameters<ACTIONS> {
         // normal noise, exp(−4π² noise²), of which this is an upper bound.
         let smooth = 39.48 * noise / (cell * cell);
         let lasting = width / (1.0 + smooth * (1.0 + smooth * (0.5 + smooth * (1.0 / 6.0))));
-        let lowest_full = storage.highest_voltage * (1.0 - tolerances.highest_voltage)
+        let below = storage.highest_voltage * (1.0 - tolerances.highest_voltage)
             - (0.5 + 2.0 * converter.noise / cell) * cell;
+        let lowest_full = if below > 0.0 { below } else { 0.0 };
         let scale = tolerances.capacitance * tolerances.capacitance
             + 4.0 * tolerances.reference * tolerances.reference;
         let reference = 2.0 * tolerances.reference;

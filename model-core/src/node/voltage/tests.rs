@@ -281,21 +281,21 @@ fn a_glitch_is_refused_and_a_lasting_change_is_taken_after_a_second_reading() {
     let mut tank = Tank::new(NOT, |_| 10e-6);
     let mut state = IDLE.start(0);
     tank.run(&IDLE, &mut state, 4000);
-    let [stored, _] = state.stored();
+    let stored = state.energy();
     for code in [0, 3300, 4095, 1700] {
         let mut glitched = state;
         let wake = IDLE.wake(&mut glitched, tank.second + 1, Some(code));
         assert_eq!(glitched.last_reading(), Some(StoreReading::Refused), "{code}");
-        assert!((glitched.stored()[0] - stored).abs() < 1e-3);
+        assert!((glitched.energy() - stored).abs() < 1e-3);
         if code > 0 {
             assert_eq!(wake, Wake { task: Task::Sleep, again_in: 1, read: true });
             let mut changed = glitched;
             IDLE.wake(&mut changed, tank.second + 2, Some(code));
-            assert!((changed.stored()[0] - IDLE.per_code * (code * code) as f32).abs() < 4e-3, "{code}");
+            assert!((changed.energy() - IDLE.per_code * (code * code) as f32).abs() < 4e-3, "{code}");
         }
         let right = tank.code();
         IDLE.wake(&mut glitched, tank.second + 2, Some(right));
-        assert!((glitched.stored()[0] - stored).abs() < 1e-3, "{code}");
+        assert!((glitched.energy() - stored).abs() < 1e-3, "{code}");
     }
     // A converter that does not answer is asked again after the usual time.
     let wake = IDLE.wake(&mut state, tank.second + 300, None);

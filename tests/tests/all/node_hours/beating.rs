@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use model_core::energy::response_map::Branch;
 use model_core::energy::{Response, ResponseMap};
 use model_core::excitation::{LineBank, Lines};
-use model_core::node::{Hearing, Modelled};
+use model_core::node::{Finding, Modelled};
 
 use super::map;
 use super::truth::Kind;
@@ -56,7 +56,7 @@ fn a_beat_that_reaches_beyond_the_boundary_is_told_with_the_yield_there() {
 
     let told = |beside: f64| Modelled::of_blocks(&response, &blocks([amplitude, beside * amplitude]), 0.0);
     let steady = told(0.0);
-    assert_eq!(steady.hearing, Hearing::Line);
+    assert_eq!(steady.finding, Finding::Line);
     let income = at(amplitude).income().expect("inside");
     let (value, bound) = (steady.lower.value, steady.lower.bound());
     assert!((value / income.value - 1.0).abs() < 0.03, "{steady:?} {income:?}");
@@ -64,7 +64,7 @@ fn a_beat_that_reaches_beyond_the_boundary_is_told_with_the_yield_there() {
 
     // The beat is at up to 1.3 times the amplitude of the line, beyond the boundary.
     let beating = told(0.3);
-    assert_eq!(beating.hearing, Hearing::Line);
+    assert_eq!(beating.finding, Finding::Line);
     assert!(beating.lower.value + beating.lower.bound() >= 0.95 * upper, "{beating:?} {upper}");
     // A weak one beside it does not reach the boundary: the bound covers its amplitudes and no upper motion.
     let weak = told(0.1);

@@ -2,7 +2,7 @@
 
 use model_core::energy::ResponseMap;
 use model_core::excitation::Lines;
-use model_core::node::{Hearing, Modelled};
+use model_core::node::{Finding, Modelled};
 
 use super::map;
 use super::truth::Kind;
@@ -13,15 +13,15 @@ fn noise_whose_peaks_reach_into_the_map_is_no_rest() {
     let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
     let response = ResponseMap::new(bytes, fingerprint).expect("a map");
     let [lowest, _] = response.amplitudes();
-    let hearing = |part: f32, purity: f32| {
+    let finding = |part: f32, purity: f32| {
         let frequency = Kind::Sliding.resonance()[0] as f32;
         let lines = Lines { amplitude: part * lowest, frequency, purity, density: 1.0, rest: 0.5 };
-        Modelled::of_blocks(&response, &[lines], 0.0).hearing
+        Modelled::of_blocks(&response, &[lines], 0.0).finding
     };
     assert_eq!(response.broadband(1.0), None, "no linear motion");
-    assert_eq!(hearing(0.5, 0.99), Hearing::Rest, "a line");
-    assert_eq!(hearing(0.05, 0.2), Hearing::Rest, "noise of the sensor");
-    assert_eq!(hearing(0.5, 0.2), Hearing::Unclear, "noise");
+    assert_eq!(finding(0.5, 0.99), Finding::Rest, "a line");
+    assert_eq!(finding(0.05, 0.2), Finding::Rest, "noise of the sensor");
+    assert_eq!(finding(0.5, 0.2), Finding::Unclear, "noise");
 }
 
 #[test]
@@ -39,7 +39,7 @@ fn a_line_below_the_map_and_beside_the_resonance_is_covered() {
             let lines =
                 Lines { amplitude: part * lowest, frequency, purity: 0.99, density: 1e-6, rest: 1e-6 };
             let told = Modelled::of_blocks(&response, &[lines], 0.0);
-            assert_eq!(told.hearing, Hearing::Rest);
+            assert_eq!(told.finding, Finding::Rest);
             let truth = part * part * edge;
             assert!(
                 (told.lower.value - truth).abs() <= told.lower.bound(),

@@ -1,13 +1,11 @@
 //! A node on a plant: storage, converter and sensor, with an income that is known minute by minute.
 
 use model_core::energy::cost::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
-use model_core::energy::{
-    BudgetParameters, Capacitor, IncomeParameters, ListeningParameters, ResponseMap, StorageParameters,
-};
+use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
 use model_core::excitation::LineBank;
 use model_core::node::{
-    Converter, Gap, IncomeOfTime, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor,
-    Spread, Task, Tier, Tolerances, VoltageNode, VoltageParameters, VoltageState, Wake,
+    Bursts, Converter, Gap, IncomeOfTime, MapNode, MapParameters, MapState, Progress, Regular, Sensor, Task,
+    Tier, Tolerances, VoltageNode, VoltageParameters, VoltageState, Wake,
 };
 
 use super::difference::Difference;
@@ -33,13 +31,10 @@ impl Source {
     }
 }
 
-/// Samples of a section and sections of a block, slots of the day, actions.
-pub(super) const SECTION: usize = 20;
-pub(super) const SECTIONS: usize = 32;
-pub(super) const SLOTS: usize = 24;
 pub(super) type Bytes = &'static [u8];
-pub(super) type OneNode = Node<Bytes, SECTION, SECTIONS, SLOTS, 1>;
-pub(super) type OneState = NodeState<SECTIONS, SLOTS, 1>;
+/// Sections of at most 20 samples, 32 of them in a block; one action.
+pub(super) type OneNode = MapNode<Bytes, 20, 32, 1>;
+pub(super) type OneState = MapState<32, 1>;
 
 /// Sensor: m/s² of a count, and its noise in counts RMS; gravity is on its axis.
 const UNIT: f64 = 9.806_65 / 1024.0;
@@ -62,9 +57,11 @@ pub(super) struct Build {
     pub(super) action: f64,
     pub(super) every: u32,
     pub(super) reserve: f64,
-    /// Relative deviation of the standing power.
+    /// Relative deviations of the standing power, and of the energy of an action.
     pub(super) spread: f64,
-    pub(super) share: f64,
+    pub(super) of_action: f64,
+    /// How far the highest voltage of the storage may be below the stated one, relative.
+    pub(super) of_highest: f64,
 }
 
 /// What is true of the plant, beside the income.
@@ -104,8 +101,6 @@ pub(super) struct Facts {
     storage: StorageParameters<f32>,
     standing: f64,
     action: f64,
-    /// Of what is read, where it is not in [`Strategy::spent`].
-    glance: f64,
 }
 
 impl Strategy for OneNode {
@@ -120,7 +115,7 @@ impl Strategy for OneNode {
     }
 
     fn after_lock_out(&self, state: &mut OneState, now: u32, code: u32) -> Wake {
-        self.wake_after_lock_out(state, now, Some(code))
+        self.wake_after(state, Gap::LockedOutUntil(now), Some(code))
     }
 
     fn take(&self, state: &mut OneState, samples: &[i16]) -> Progress {
@@ -132,18 +127,18 @@ impl Strategy for OneNode {
     }
 
     fn spent(&self, state: &OneState) -> f64 {
-        state.spent_on_knowing().into()
+        self.spent_on_knowing(state).into()
     }
 
     fn facts(&self) -> Facts {
-        let NodeParameters { budget, actions: [action], .. } = self.parameters();
-        let glance = self.glance().unwrap_or(0.0).into();
-        Facts {
-            storage: budget.storage,
-            standing: budget.standing_power.into(),
-            action: action.energy.into(),
-            glance,
-        }
+        Facts::of(&self.parameters().voltage)
+    }
+}
+
+impl Facts {
+    fn of(parameters: &VoltageParameters<1>) -> Self {
+        let VoltageParameters { storage, standing_power, actions: [action], .. } = parameters;
+        Self { storage: *storage, standing: (*standing_power).into(), action: action.energy.into() }
     }
 }
 
@@ -171,13 +166,7 @@ impl Strategy for VoltageNode<1> {
     }
 
     fn facts(&self) -> Facts {
-        let VoltageParameters { storage, standing_power, actions: [action], .. } = self.parameters();
-        Facts {
-            storage: *storage,
-            standing: (*standing_power).into(),
-            action: action.energy.into(),
-            glance: 0.0,
-        }
+        Facts::of(self.parameters())
     }
 }
 
@@ -216,23 +205,7 @@ fn accelerometer(kind: Kind) -> Accelerometer<f64> {
 
 const BLOCKS: u32 = 1;
 
-/// Energies in J of what the estimate takes.
-struct Costs {
-    listen: f64,
-    reading: f64,
-    glance: f64,
-}
-
 impl Build {
-    fn costs(&self, samples: u32) -> Costs {
-        let cost = CostModel::new(self.processor, accelerometer(self.kind));
-        let Instructions { reading, glance, sample, block, .. } = node_instructions(self.processor.core);
-        let instructions = f64::from(samples) * f64::from(sample) + f64::from(BLOCKS) * f64::from(block);
-        let listen =
-            cost.listen(samples, rate(self.kind), instructions, Code::Filter).expect("a rate").total();
-        Costs { listen, reading: self.reading(reading.into()), glance: self.reading(glance.into()) }
-    }
-
     /// Energy in J of a reading of so many instructions.
     fn reading(&self, instructions: f64) -> f64 {
         let cost = CostModel::new(self.processor, accelerometer(self.kind));
@@ -257,20 +230,29 @@ impl Build {
 
     /// The node of the voltage alone, on a storage whose capacitance is known to a tolerance.
     pub(super) fn voltage_node(&self, scale: f64, capacitance: f32) -> VoltageNode<1> {
+        self.voltage_parameters(scale, capacitance).build().expect("valid")
+    }
+
+    fn voltage_parameters(&self, scale: f64, capacitance: f32) -> VoltageParameters<1> {
         let small = |energy: f64| (energy / scale) as f32;
-        let instructions = f64::from(node_instructions(self.processor.core).voltage);
-        let parameters = VoltageParameters {
+        let instructions = f64::from(node_instructions(self.processor.core).reading);
+        VoltageParameters {
             storage: self.storage(scale),
             converter: Converter { bits: 12, full_scale: 5.0, noise: CONVERTER_NOISE as f32 },
             standing_power: small(self.standing),
             reading: small(self.reading(instructions)),
             intervals: [60, 300],
-            tolerances: Tolerances { standing: self.spread as f32, capacitance, ..Tolerances::EXACT },
+            tolerances: Tolerances {
+                standing: self.spread as f32,
+                action: self.of_action as f32,
+                capacitance,
+                highest_voltage: self.of_highest as f32,
+                ..Tolerances::EXACT
+            },
             largest_power: small(10.0 * self.income),
             reserve: small(self.reserve),
             actions: [Regular { energy: small(self.action), every: self.every }],
-        };
-        parameters.build().expect("valid")
+        }
     }
 
     /// The difference of two readings on the same storage.
@@ -278,58 +260,33 @@ impl Build {
         Difference::new(self.voltage_node(scale, capacitance))
     }
 
-    /// The node; energies over `scale`, so that the map of the harvester as it is fits.
-    pub(super) fn node(&self, map: Bytes, scale: f64) -> OneNode {
+    /// The node with a map; energies over `scale`, so that the map of the harvester as it is fits. Its gain is known to a standard
+    /// deviation.
+    pub(super) fn node(&self, map: Bytes, scale: f64, capacitance: f32, gain: f32) -> OneNode {
         let fingerprint = u32::from_le_bytes([map[6], map[7], map[8], map[9]]);
         let map = ResponseMap::new(map, fingerprint).expect("a map");
         let [resonance, half] = self.kind.resonance();
         let rate = rate(self.kind);
         let bank = LineBank::new(rate as f32, resonance as f32, half as f32, UNIT as f32).expect("fits");
         let sensor = accelerometer(self.kind);
-        let Costs { listen, reading, glance } = self.costs(bank.block() as u32 * BLOCKS);
-        let small = |energy: f64| (energy / scale) as f32;
-        let parameters = NodeParameters {
-            budget: BudgetParameters {
-                storage: self.storage(scale),
-                income: IncomeParameters { time_constant: 4.0 * 3600.0, day_weight: 0.5 },
-                standing_power: small(self.standing),
-            },
-            converter: Converter { bits: 12, full_scale: 5.0, noise: CONVERTER_NOISE as f32 },
-            listening: ListeningParameters {
-                share: 0.6 * self.share as f32,
-                error: 0.02,
-                horizon: 3600.0,
-                shortest: 300,
-                doublings: 6,
-            },
+        let Instructions { sample, block, .. } = node_instructions(self.processor.core);
+        let samples = bank.block() as u32 * BLOCKS;
+        let instructions = f64::from(samples) * f64::from(sample) + f64::from(BLOCKS) * f64::from(block);
+        let cost = CostModel::new(self.processor, sensor);
+        let energy = cost.listen(samples, rate, instructions, Code::Filter).expect("a rate").total();
+        let parameters = MapParameters {
+            voltage: self.voltage_parameters(scale, capacitance),
             sensor: Sensor {
                 rate: rate as f32,
                 start_up: sensor.start_up_samples,
                 blocks: BLOCKS,
                 clipped: 32_000,
             },
-            cost: KnowingCost {
-                listen: small(listen),
-                reading: small(reading),
-                reading_share: 0.4 * self.share as f32,
-                shortest_reading: 60,
-                reading_doublings: 6,
-            },
-            spread: Spread {
-                gain: 1.0,
-                gain_drift: 0.1,
-                standing: self.spread as f32,
-                action: 0.02,
-                income: 0.5,
-                gain_by_place: 0.5,
-                highest_voltage: 0.03,
-                power: small(10.0 * self.income),
-            },
-            reserve: small(self.reserve),
-            actions: [Regular { energy: small(self.action), every: self.every }],
+            bursts: Bursts { energy: (energy / scale) as f32, worth: 10.0, shortest: 60, check: 80_000 },
+            gain,
+            gain_drift: 0.02,
         };
-        let node = Node::new(map, bank, parameters).expect("valid");
-        node.with_glances(small(glance)).expect("valid")
+        MapNode::new(map, bank, parameters).expect("valid")
     }
 }
 
@@ -443,8 +400,8 @@ impl<'a, N: Strategy> World<'a, N> {
         (voltage / CELL).round().clamp(0.0, 4095.0) as u32
     }
 
-    /// Hands the samples of a listen over in bursts, unless its energy locks the node out.
-    fn listen(&mut self, state: &mut N::State, samples: u32) {
+    /// Hands the samples of a burst over in parts, unless its energy locks the node out.
+    fn burst(&mut self, state: &mut N::State, samples: u32) {
         if !self.is_on {
             return;
         }
@@ -470,12 +427,12 @@ impl<'a, N: Strategy> World<'a, N> {
         self.wake(state, code)
     }
 
-    /// Wakes the node, after a lock-out when the storage has reached its turn-on voltage. What a glance or a reading takes
-    /// leaves the storage.
+    /// Wakes the node, after a lock-out when the storage has reached its turn-on voltage. What a reading or a burst takes leaves the
+    /// storage.
     fn wake(&mut self, state: &mut N::State, code: Option<u32>) -> Wake {
         let before = self.node.spent(state);
-        let (wake, is_read) = if self.is_on {
-            (self.node.call(state, self.second(), code), code.is_some())
+        let wake = if self.is_on {
+            self.node.call(state, self.second(), code)
         } else {
             let turn_on = self.at(self.facts.storage.turn_on_voltage);
             while self.energy < turn_on && self.is_going_on() {
@@ -483,10 +440,9 @@ impl<'a, N: Strategy> World<'a, N> {
             }
             self.is_on = true;
             let code = self.code();
-            (self.node.after_lock_out(state, self.second(), code), true)
+            self.node.after_lock_out(state, self.second(), code)
         };
-        let spent = self.node.spent(state) - before;
-        self.spend(if spent == 0.0 && is_read { self.facts.glance } else { spent });
+        self.spend(self.node.spent(state) - before);
         wake
     }
 
@@ -522,8 +478,8 @@ impl<'a, N: Strategy> World<'a, N> {
                     self.spend(self.facts.action * self.plant.action);
                     self.wake(&mut state, None)
                 }
-                Task::Listen { samples } => {
-                    self.listen(&mut state, samples);
+                Task::Burst { samples } => {
+                    self.burst(&mut state, samples);
                     self.wake(&mut state, None)
                 }
                 Task::Sleep => self.sleep(&mut state, wake),
@@ -546,7 +502,7 @@ impl<'a, N: Strategy> World<'a, N> {
 #[test]
 fn a_lock_out_within_a_sleep_and_one_by_an_action_are_counted() {
     let build = super::build(Kind::ContactSeparation, Processor::nrf52832(), 1e-3, 0.2);
-    let node = build.node(super::map(build.kind), 1.0);
+    let node = build.node(super::map(build.kind), 1.0, 0.0, 1.0);
     // Half an hour without income, and one with 1 mJ a minute: at its end the storage is full again.
     let minutes: Vec<f64> = (0..60).map(|minute| if minute < 30 { 0.0 } else { 1e-3 }).collect();
     let plant = AS_STATED;
@@ -560,7 +516,7 @@ fn a_lock_out_within_a_sleep_and_one_by_an_action_are_counted() {
     assert_eq!(world.lock_outs, 1);
     // The first 0.8 mJ turn it on again.
     assert!(world.is_on && (1830..1860).contains(&world.second()), "{}", world.second());
-    assert_eq!(state.second(), world.second());
+    assert_eq!(OneNode::second(&state), world.second());
     world.spend(world.energy - 0.9 * lock_out);
     world.wake(&mut state, None);
     assert_eq!(world.lock_outs, 2);
@@ -570,7 +526,7 @@ fn a_lock_out_within_a_sleep_and_one_by_an_action_are_counted() {
 #[test]
 fn the_hours_of_a_lock_out_are_inside_their_bounds() {
     let build = super::build(Kind::ContactSeparation, Processor::nrf52832(), 1e-3, 0.01);
-    let node = build.node(super::map(build.kind), 1.0);
+    let node = build.node(super::map(build.kind), 1.0, 0.0, 1.0);
     let plant = AS_STATED;
     let mut lock_outs = 0;
     for later in [600.0, 1200.0, 2400.0] {

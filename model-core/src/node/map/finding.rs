@@ -1,12 +1,12 @@
-//! What a listen says of the income: lines of blocks, looked up in the map.
+//! What a burst of samples says of the output power: lines of blocks, looked up in the map.
 
 use super::parameters::MOST_BLOCKS;
-use super::state::BOUND;
 use crate::energy::ResponseMap;
 use crate::energy::response_map::{Bounded, Outside, Response, Words};
 use crate::excitation::Lines;
+use crate::node::tier::BOUND;
 use crate::scalar::Scalar;
-use crate::snapshot::snapshot_fields;
+use crate::snapshot::{snapshot_fields, snapshot_variants};
 
 /// Purity from which a block has a line.
 const LINE: f32 = 0.9;
@@ -29,10 +29,10 @@ const OF_LINE: f32 = 0.02;
 /// Highest peak of noise over the amplitude of its strongest bin: three deviations of what some 60 bins add up to.
 const NOISE_PEAK: f32 = 10.0;
 
-/// What a listen found.
+/// What a burst found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Hearing {
+pub enum Finding {
     /// A line with one steady motion.
     Line,
     /// A line with two steady motions: the storage decided which.
@@ -54,12 +54,12 @@ pub enum Hearing {
     Damaged,
 }
 
-/// What a listen says by the map, before the storage has a say.
+/// What a burst says by the map, before the storage has a say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Modelled {
     /// Of what kind it is.
-    pub hearing: Hearing,
+    pub finding: Finding,
     /// Of the smaller motion where there are two.
     pub lower: Yield,
     /// Of the larger motion where there are two.
@@ -72,15 +72,15 @@ pub struct Modelled {
 pub struct Yield {
     /// In W.
     pub value: f32,
-    /// Standard deviation in W by noise, new in each listen.
+    /// Standard deviation in W by noise, new in each burst.
     pub noise: f32,
     /// Relative standard deviation by the map, the same at the same place.
     pub systematic: f32,
 }
 
 impl Modelled {
-    /// What the blocks of a listen say by the map, with the storage at `voltage` in V, which only a map of charge asks for.
-    /// A [`Node`](super::Node) hears by the same code, as its samples come.
+    /// What the blocks of a burst say by the map, with the storage at `voltage` in V, which only a map of charge asks for.
+    /// A [`MapNode`](super::MapNode) takes its samples by the same code.
     #[must_use]
     pub fn of_blocks<W: Words>(map: &ResponseMap<W>, blocks: &[Lines], voltage: f32) -> Self {
         let mut sums = Blocks::default();
@@ -95,12 +95,14 @@ impl Modelled {
     pub fn either(&self) -> Yield {
         let Self { lower, upper, .. } = *self;
         let half = 0.5 * (upper.value - lower.value);
-        Yield { value: lower.value + half, noise: half + lower.noise, systematic: upper.systematic }
+        let value = lower.value + half;
+        let systematic = upper.systematic + if value > 0.0 { half / value } else { 0.0 };
+        Yield { value, noise: lower.noise, systematic }
     }
 }
 
 impl Yield {
-    /// Bound of its error in W: two and a half standard deviations, as of an [`IncomeOfTime`](super::IncomeOfTime).
+    /// Bound of its error in W: two and a half standard deviations, as of an [`IncomeOfTime`](crate::node::IncomeOfTime).
     #[must_use]
     pub fn bound(&self) -> f32 {
         let of_map = self.systematic * self.value;
@@ -108,7 +110,7 @@ impl Yield {
     }
 }
 
-/// Sums over the blocks of a listen.
+/// Sums over the blocks of a burst.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Blocks {
@@ -188,12 +190,12 @@ impl Blocks {
 
     /// The yield of all blocks.
     pub(super) fn modelled<W: Words>(&self, map: &ResponseMap<W>, voltage: f32) -> Modelled {
-        let one = |hearing, lower| Modelled { hearing, lower, upper: lower };
-        let nothing = |hearing| one(hearing, Yield::default());
+        let one = |finding, lower| Modelled { finding, lower, upper: lower };
+        let nothing = |finding| one(finding, Yield::default());
         // An order of magnitude.
-        let about = |hearing, value| one(hearing, Yield { value, noise: value, systematic: 0.0 });
+        let about = |finding, value| one(finding, Yield { value, noise: value, systematic: 0.0 });
         if self.is_damaged || self.count == 0 {
-            return nothing(Hearing::Damaged);
+            return nothing(Finding::Damaged);
         }
         let count = f32::from(u16::try_from(self.count).unwrap_or(u16::MAX));
         let [amplitude, frequency] = self.strongest;
@@ -203,15 +205,16 @@ impl Blocks {
             let [value, upper, low, high] = self.yields.map(|sum| sum / count);
             let rest = 3.0 * scale * broadband(self.rest).map_or(0.0, |rest| rest.value);
             if rest > RELEVANT * value {
-                return about(Hearing::Unclear, Scalar::max(value, rest));
+                return about(Finding::Unclear, Scalar::max(value, rest));
             }
             // What else the band has beats with the line, which an impacting or stuck harvester answers in its own way.
             let purity = self.purity / count;
             let part = OF_LINE + (1.0 - purity);
             let with = |value: f32, spread: f32, [least, most]: [f32; 2]| {
-                let systematic = if value > 0.0 { spread / value } else { 0.0 };
                 let beat = Scalar::max(value - least, most - value) / BOUND;
-                Yield { value, noise: Scalar::max(part * value, beat), systematic }
+                let spread = Scalar::max(spread, beat);
+                let systematic = if value > 0.0 { spread / value } else { 0.0 };
+                Yield { value, noise: part * value, systematic }
             };
             let beat = self.beat(map, purity, voltage);
             let [of_lower, of_upper] = beat.unwrap_or([[value; 2], [upper; 2]]);
@@ -220,12 +223,12 @@ impl Blocks {
                 let of_both = [Scalar::min(of_lower[0], of_upper[0]), Scalar::max(of_lower[1], of_upper[1])];
                 // The bound covers those of the map, which need not be even.
                 let away = Scalar::max(high - value, value - low) / BOUND;
-                return one(Hearing::Line, with(value, Scalar::max(0.25 * (high - low), away), of_both));
+                return one(Finding::Line, with(value, Scalar::max(0.25 * (high - low), away), of_both));
             }
             // Of each motion the bound away from the other one.
             let lower = with(value, 0.5 * (value - low), of_lower);
             let upper = with(upper, 0.5 * (high - upper), of_upper);
-            return Modelled { hearing: Hearing::TwoMotions, lower, upper };
+            return Modelled { finding: Finding::TwoMotions, lower, upper };
         }
         let [lowest, _] = map.amplitudes();
         // The strongest line of noise or of no signal is any bin, which the map need not have: the yield at rest is then bounded
@@ -239,32 +242,32 @@ impl Blocks {
                 let line = look_up(map, amplitude, frequency, voltage);
                 let line = line.income().map_or(0.0, |line| line.high * scale);
                 if amplitude >= lowest && line > STRONG * value {
-                    return about(Hearing::Unclear, line);
+                    return about(Finding::Unclear, line);
                 }
                 if !found.is_linear {
-                    return about(Hearing::BroadbandBeyond, value);
+                    return about(Finding::BroadbandBeyond, value);
                 }
                 let noise = DENSITY * value / Scalar::sqrt(count);
                 if amplitude >= lowest {
-                    return one(Hearing::Broadband, Yield { value, noise, systematic: 0.0 });
+                    return one(Finding::Broadband, Yield { value, noise, systematic: 0.0 });
                 }
                 // The yield of the linear motion grows with the square of the amplitude.
                 let part = amplitude / lowest;
                 let line = edge.map_or(0.0, |edge| 0.5 * edge.high * scale * part * part);
-                return one(Hearing::Rest, Yield { value, noise: Scalar::max(noise, line), systematic: 0.0 });
+                return one(Finding::Rest, Yield { value, noise: Scalar::max(noise, line), systematic: 0.0 });
             }
             let peak = if self.purity >= LINE * count { amplitude } else { NOISE_PEAK * amplitude };
             if peak < lowest {
                 // The yield grows with the amplitude.
-                return edge.map_or(nothing(Hearing::Outside(Outside::AmplitudeBelow)), |edge| {
+                return edge.map_or(nothing(Finding::Outside(Outside::AmplitudeBelow)), |edge| {
                     let noise = 0.5 * edge.high * scale;
-                    one(Hearing::Rest, Yield { value: 0.0, noise, systematic: 0.0 })
+                    one(Finding::Rest, Yield { value: 0.0, noise, systematic: 0.0 })
                 });
             }
         }
         match look_up(map, amplitude, frequency, voltage) {
-            Response::Outside(edge) if self.purity >= LINE * count => nothing(Hearing::Outside(edge)),
-            other => about(Hearing::Unclear, other.income().map_or(0.0, |income| income.value * scale)),
+            Response::Outside(edge) if self.purity >= LINE * count => nothing(Finding::Outside(edge)),
+            other => about(Finding::Unclear, other.income().map_or(0.0, |income| income.value * scale)),
         }
     }
 }
@@ -295,3 +298,17 @@ snapshot_fields!(impl [] Blocks {
     let sums = [blocks.weakest, blocks.purity, blocks.density, blocks.rest];
     counts.is_sorted() && sums.iter().chain(&blocks.yields).chain(&blocks.strongest).all(|&sum| sum >= 0.0)
 });
+
+snapshot_variants!(Motion { Lower, Upper });
+snapshot_fields!(impl [] Yield { value, noise, systematic });
+
+/// One of two steady motions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) enum Motion {
+    /// That of the smaller yield.
+    #[default]
+    Lower,
+    /// That of the larger yield.
+    Upper,
+}

@@ -1,0 +1,607 @@
+//! The node that takes bursts of acceleration samples where the voltage of its storage says nothing of the income.
+//!
+//! It is a [`VoltageNode`] with a response map. A burst gives the output power by the map; the ratio of the true to the modelled power,
+//! the *gain* of the map, is learnt from the income between two readings where the storage tells it. The map is used
+//!
+//! * while the storage is full: for what is shunted;
+//! * where two readings resolve an hour worse than the map: the hour is then told by the map;
+//! * for the power now.
+//!
+//! A burst is taken if it narrows the bound of the hour by more than it costs ([`Bursts::worth`]): with the walk `c` of the power in W² a
+//! second, bursts each `T` leave an hour the deviation `T √(300 s c)`, of which the next one takes the part `T/3600 s`.
+//! Where the readings do as well none is taken, but for one each [`Bursts::check`] that compares the map with the storage.
+
+mod finding;
+mod income;
+mod parameters;
+#[cfg(test)]
+mod tests;
+
+pub use finding::{Finding, Modelled, Yield};
+pub use parameters::{Bursts, MapParameters, NodeError, Sensor};
+
+use super::tier::{BOUND, IncomeOfTime, StoreReading};
+use super::voltage::Beside;
+use super::{Gap, HOUR, Progress, Task, Tier, VoltageNode, VoltageState, Wake, real};
+use crate::energy::ResponseMap;
+use crate::energy::response_map::Words;
+use crate::excitation::{LineBank, LineBankState};
+use crate::scalar::Scalar;
+use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
+use finding::{Blocks, Motion};
+use income::{Held, Modelled as ModelledEnergy};
+use parameters::{MOST_BLOCKS, MOST_START_UP};
+
+/// Seconds after its end at which a burst that is not complete is given up.
+const GRACE: u32 = 2;
+/// Doublings of the shortest time between bursts without a value.
+const MOST_DOUBLINGS: u32 = 6;
+/// Least gain.
+const LOWEST_GAIN: f32 = 1e-3;
+/// Variance of a comparison over that of the gain from which it says too little.
+const LITTLE: f32 = 100.0;
+/// Standard deviations of a comparison of map and storage from which it contradicts the gain, and such comparisons in turn after
+/// which the map is doubtful.
+const CONTRADICTS: f32 = 3.0;
+const CONTRADICTIONS: u32 = 3;
+
+/// Relative standard deviation of the gain above which it is learnt while the storage fills up.
+const UNCERTAIN: f32 = 0.1;
+
+/// A node with its map in `W`, and a bank of sections of at most `M` samples and blocks of `P` sections.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapNode<W: Words, const M: usize, const P: usize, const ACTIONS: usize> {
+    voltage: VoltageNode<ACTIONS>,
+    map: ResponseMap<W>,
+    bank: LineBank<M, P>,
+    parameters: MapParameters<ACTIONS>,
+    /// Samples in a burst without those of the start-up.
+    samples: u32,
+    /// Time of a burst in s, rounded up.
+    duration: u32,
+}
+
+/// The state of a [`MapNode`]: all that it has learnt, and a burst that is under way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapState<const P: usize, const ACTIONS: usize> {
+    voltage: VoltageState<ACTIONS>,
+    burst: Burst<P>,
+    held: Held,
+    /// Modelled energy since the last reading that was used, and since the begin of the hour.
+    interval: ModelledEnergy,
+    hour: ModelledEnergy,
+    /// Gain of the map, its variance, and comparisons in turn that contradict it.
+    gain: f32,
+    of_gain: f32,
+    contradictions: u32,
+    is_doubtful: bool,
+    /// What the storage told in the last two intervals that were used in turn, the newest first, and the seconds since.
+    told: [Option<Told>; 2],
+    untold: u32,
+    /// Whether the last burst was taken between these two.
+    is_between: bool,
+    /// Which of two motions goes on, as long as bursts find two.
+    motion: Option<Motion>,
+    /// Seconds since the last burst; bursts, and those in turn without a value.
+    since: u32,
+    bursts: u32,
+    misses: u32,
+    is_asked: bool,
+    last_hour: Option<IncomeOfTime>,
+}
+
+/// A harvested power in W that the storage told, the variance of its error, and the part of that which is the same at all times.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Told {
+    power: f32,
+    variance: f32,
+    lasting: f32,
+}
+
+snapshot_fields!(impl [] Told { power, variance, lasting });
+
+/// A burst under way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Burst<const P: usize> {
+    bank: LineBankState<P>,
+    blocks: Blocks,
+    /// Samples of the start-up, and others, that are still missing.
+    start_up: u32,
+    missing: u32,
+}
+
+/// Most samples in a section of a bank.
+const MOST_SAMPLES: u32 = 128;
+
+snapshot_fields!(impl [const P: usize] Burst<P> { bank, blocks, start_up, missing } if |burst| {
+    burst.start_up <= MOST_START_UP && burst.missing <= MOST_BLOCKS * MOST_SAMPLES * P as u32
+});
+
+snapshot_fields!(impl [const P: usize, const ACTIONS: usize] MapState<P, ACTIONS> {
+    voltage, burst, held, interval, hour, gain, of_gain, contradictions, is_doubtful, told, untold, is_between, motion, since, bursts, misses, is_asked,
+    last_hour,
+} if |state| {
+    state.gain >= 0.0 && state.of_gain >= 0.0
+});
+
+impl<const P: usize, const ACTIONS: usize> MapState<P, ACTIONS> {
+    /// What is known by the voltage alone.
+    #[must_use]
+    pub fn voltage(&self) -> &VoltageState<ACTIONS> {
+        &self.voltage
+    }
+
+    /// The income of the last hour, by voltage or map, whichever has the smaller bound; of a longer time if the storage could not
+    /// be read at its end. `None` before the first.
+    #[must_use]
+    pub fn last_hour(&self) -> Option<IncomeOfTime> {
+        self.last_hour
+    }
+
+    /// Ratio of the true output power to that of the map, and its bound.
+    #[must_use]
+    pub fn gain(&self) -> [f32; 2] {
+        [self.gain, BOUND * Scalar::sqrt(self.of_gain)]
+    }
+
+    /// Whether the last comparisons with the storage have contradicted the gain that was known: the harvester has changed, and
+    /// [`Self::gain`] is learnt anew.
+    #[must_use]
+    pub fn is_map_doubtful(&self) -> bool {
+        self.is_doubtful
+    }
+
+    /// Number of bursts.
+    #[must_use]
+    pub fn bursts(&self) -> u32 {
+        self.bursts
+    }
+
+    /// Asks for a burst after the next reading, whatever it is worth: for [`MapNode::power`].
+    pub fn ask_for_burst(&mut self) {
+        self.is_asked = true;
+    }
+}
+
+impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, M, P, ACTIONS> {
+    /// A node that takes bursts by `bank` and looks up in `map`.
+    ///
+    /// # Errors
+    /// The first parameter outside its bounds, a sensor with another rate than that of the bank, or a map that has none of
+    /// the frequencies of the bank.
+    #[cold]
+    #[inline(never)]
+    pub fn new(
+        map: ResponseMap<W>,
+        bank: LineBank<M, P>,
+        parameters: MapParameters<ACTIONS>,
+    ) -> Result<Self, NodeError> {
+        let voltage = parameters.voltage.build()?;
+        if let Some(error) = parameters.first_outside() {
+            return Err(error.into());
+        }
+        parameters.check_rate(bank.rate())?;
+        if !bank.frequencies().any(|frequency| map.has_frequency(frequency)) {
+            return Err(NodeError::Band { band: bank.band() });
+        }
+        let samples = bank.block() as u32 * parameters.sensor.blocks;
+        let duration = (real(samples + parameters.sensor.start_up) / parameters.sensor.rate) as u32 + 1;
+        Ok(Self { voltage, map, bank, parameters, samples, duration })
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub fn parameters(&self) -> &MapParameters<ACTIONS> {
+        &self.parameters
+    }
+
+    /// The income since the start.
+    #[must_use]
+    pub fn overall(&self, state: &MapState<P, ACTIONS>) -> IncomeOfTime {
+        self.voltage.overall(&state.voltage)
+    }
+
+    /// Stored energy in J without the income since the last reading, and its bound.
+    #[must_use]
+    pub fn stored(&self, state: &MapState<P, ACTIONS>) -> [f32; 2] {
+        self.voltage.stored(&state.voltage)
+    }
+
+    /// Energy in J at the load that readings and bursts took since the start.
+    #[must_use]
+    pub fn spent_on_knowing(&self, state: &MapState<P, ACTIONS>) -> f32 {
+        self.voltage.spent_on_readings(&state.voltage) + real(state.bursts) * self.parameters.bursts.energy
+    }
+
+    /// Harvested power in W and its bound: by the last burst, or by the last two readings where that bound is smaller.
+    #[must_use]
+    pub fn power(&self, state: &MapState<P, ACTIONS>) -> [f32; 2] {
+        let [stored, bound] = state.voltage.power();
+        let by_voltage = [self.voltage.harvested(stored), self.voltage.harvested(bound)];
+        let Yield { value, systematic, .. } = state.held.yielded;
+        let systematic = systematic * value * state.gain;
+        let variance = state.gain * state.gain * state.held.variance(self.largest())
+            + state.of_gain * value * value
+            + systematic * systematic;
+        let bound = BOUND * Scalar::sqrt(variance);
+        let is_told = state.voltage.last_reading() == Some(StoreReading::Used) && by_voltage[1] <= bound;
+        if is_told || !state.held.is_known { by_voltage } else { [state.gain * value, bound] }
+    }
+
+    fn largest(&self) -> f32 {
+        self.parameters.voltage.largest_power
+    }
+
+    /// A time passes.
+    fn pass(&self, state: &mut MapState<P, ACTIONS>, seconds: u32) {
+        state.held.pass(seconds, [&mut state.interval, &mut state.hour]);
+        state.since = state.since.saturating_add(seconds);
+        let drift = self.parameters.gain_drift;
+        let most = Scalar::max(self.parameters.gain, 1.0);
+        let of_gain = state.of_gain + drift * drift * (1.0 / 3600.0) * real(seconds);
+        state.of_gain = Scalar::min(of_gain, most * most);
+    }
+
+    /// What the map says of the income since the last reading.
+    fn beside(&self, state: &MapState<P, ACTIONS>) -> Option<Beside> {
+        if !state.interval.is_known() {
+            return None;
+        }
+        let [energy, variance, bound] = self.by_map(state, &state.interval);
+        let stored = self.voltage.stored_of(1.0);
+        Some(Beside { energy: stored * energy, variance: stored * stored * variance, bound: stored * bound })
+    }
+
+    /// The harvested energy of a time in J by the map, the variance of its error, and the bound of what is the same at all
+    /// times.
+    fn by_map(&self, state: &MapState<P, ACTIONS>, of: &ModelledEnergy) -> [f32; 3] {
+        let gain = state.gain;
+        let lasting = Scalar::sqrt(state.of_gain) * of.energy + gain * of.systematic;
+        [gain * of.energy, gain * gain * of.variance(&state.held, self.largest()), BOUND * lasting]
+    }
+
+    /// Ends a wake with a reading: learns the gain, and tells the hour if it is over.
+    fn conclude(&self, state: &mut MapState<P, ACTIONS>) {
+        if state.voltage.is_just_read() {
+            if state.interval.seconds > 0 {
+                self.keep_told(state);
+            }
+            state.interval = ModelledEnergy::default();
+        }
+        if state.voltage.seconds_of_hour() < state.hour.seconds {
+            state.last_hour = state.voltage.last_hour().map(|told| self.tell(state, told));
+            state.hour = ModelledEnergy::default();
+        }
+    }
+
+    /// The income of an hour, which the voltage `told`, or the map if it knows it better.
+    fn tell(&self, state: &MapState<P, ACTIONS>, told: IncomeOfTime) -> IncomeOfTime {
+        let [energy, variance, lasting] = self.by_map(state, &state.hour);
+        let bound = BOUND * Scalar::sqrt(variance) + lasting;
+        if state.hour.is_known() && bound < told.bound {
+            IncomeOfTime { energy, bound, ..told }
+        } else {
+            told
+        }
+    }
+
+    /// Learns the gain from a modelled power in W, of relative variances by noise and by the map, and what the storage told of the same
+    /// vibration.
+    ///
+    /// One jump of the vibration within a comparison would make it worthless. So a burst is compared with two intervals that the storage told,
+    /// or two bursts with the interval between them, and what changed from one to the other is in the variances.
+    fn compare(
+        &self,
+        state: &mut MapState<P, ACTIONS>,
+        modelled: f32,
+        [noise, systematic]: [f32; 2],
+        told: Told,
+    ) {
+        if modelled <= 0.0 {
+            return;
+        }
+        // Noise takes it below 0 too: without that the mean of many comparisons would be too large.
+        let ratio = told.power / modelled;
+        let per_square = 1.0 / (modelled * modelled);
+        let square = state.gain * state.gain;
+        let of_ratio = told.variance * per_square + square * (noise + systematic);
+        if !(of_ratio < LITTLE * state.of_gain) {
+            return;
+        }
+        let (departure, both) = (ratio - state.gain, state.of_gain + of_ratio);
+        if departure * departure > CONTRADICTS * CONTRADICTS * both {
+            state.contradictions += 1;
+            if state.contradictions < CONTRADICTIONS {
+                return;
+            }
+            // The harvester is another one: this comparison and the next ones learn its gain.
+            state.is_doubtful = true;
+            state.of_gain = departure * departure;
+        }
+        state.contradictions = 0;
+        let part = state.of_gain / (state.of_gain + of_ratio);
+        state.gain = Scalar::max(state.gain + part * departure, LOWEST_GAIN);
+        // What is off of the storage, the draw and the map is the same in each comparison.
+        let least = Scalar::min(state.of_gain, told.lasting * per_square + square * systematic);
+        state.of_gain = Scalar::max((1.0 - part) * state.of_gain, least);
+    }
+
+    /// Compares the last burst with the last two intervals that the storage told.
+    fn compare_pair(&self, state: &mut MapState<P, ACTIONS>) {
+        let [Some(last), Some(before)] = state.told else { return };
+        let change = last.power - before.power;
+        let told = Told {
+            power: 0.5 * (before.power + last.power),
+            variance: 0.5 * (before.variance + last.variance) + change * change,
+            lasting: last.lasting,
+        };
+        let Yield { value, noise, systematic } = state.held.yielded;
+        self.compare(state, value, [noise * noise / (value * value), systematic * systematic], told);
+    }
+
+    /// Compares the interval that the storage has told with the bursts at its begin and its end.
+    fn compare_between(&self, state: &mut MapState<P, ACTIONS>, before: Yield) {
+        let Some(told) = state.told[0] else { return };
+        let Yield { value, noise, systematic } = state.held.yielded;
+        let (modelled, change) = (0.5 * (before.value + value), value - before.value);
+        let variance = (noise * noise + change * change) / (modelled * modelled);
+        self.compare(state, modelled, [variance, systematic * systematic], told);
+    }
+
+    /// Keeps what the storage told since the reading before, and compares it with a burst between both.
+    fn keep_told(&self, state: &mut MapState<P, ACTIONS>) {
+        let is_between = core::mem::replace(&mut state.is_between, false);
+        if state.voltage.last_reading() != Some(StoreReading::Used) {
+            state.untold = state.untold.saturating_add(state.interval.seconds);
+            return;
+        }
+        let [power, variance, lasting] = self.voltage.told(&state.voltage);
+        let before = if state.untold == 0 { state.told[0] } else { None };
+        state.told = [Some(Told { power, variance, lasting }), before];
+        state.untold = 0;
+        if is_between {
+            self.compare_pair(state);
+        }
+    }
+
+    /// Whether to take a burst now, after a reading.
+    fn is_burst_due(&self, state: &MapState<P, ACTIONS>) -> bool {
+        let Bursts { energy, worth, shortest, check } = self.parameters.bursts;
+        if state.is_asked || state.since >= check {
+            return true;
+        }
+        if state.since < shortest << state.misses.min(MOST_DOUBLINGS) {
+            return false;
+        }
+        let of_gain = Scalar::sqrt(state.of_gain);
+        if self.voltage.fills_up(&state.voltage) && of_gain > UNCERTAIN * state.gain && state.since >= HOUR {
+            // The storage still tells the power of a vibration that it will not tell when it is full.
+            return true;
+        }
+        let is_silent = state.voltage.last_reading() == Some(StoreReading::Silent);
+        if !state.held.is_known {
+            return is_silent;
+        }
+        // The time after which a burst narrows the bound by as much as it must, and the bound that is then left.
+        let walk =
+            BOUND * state.gain * Scalar::sqrt(state.held.change(self.largest()) * (1.0 / 12.0) * real(HOUR));
+        let time = Scalar::sqrt(worth * energy * real(HOUR) / walk);
+        let of_gain = BOUND * of_gain * state.held.yielded.value * real(HOUR);
+        let is_better = is_silent || of_gain + walk * time < self.voltage.bound_of_an_hour(&state.voltage);
+        is_better && real(state.since) >= time
+    }
+
+    /// What to do: what the voltage asks for, or a burst before it sleeps.
+    fn with_burst(&self, state: &mut MapState<P, ACTIONS>, wake: Wake) -> Wake {
+        let is_idle = matches!(wake.task, Task::Sleep) && wake.again_in > self.duration + GRACE;
+        let is_affordable = self.voltage.affords(&state.voltage, self.parameters.bursts.energy);
+        let is_due = is_idle && state.voltage.is_just_read() && is_affordable && self.is_burst_due(state);
+        if is_due { self.begin(state) } else { wake }
+    }
+
+    /// Begins a burst.
+    fn begin(&self, state: &mut MapState<P, ACTIONS>) -> Wake {
+        let start_up = self.parameters.sensor.start_up;
+        state.burst =
+            Burst { bank: self.bank.start(), blocks: Blocks::default(), start_up, missing: self.samples };
+        (state.since, state.is_asked) = (0, false);
+        state.bursts = state.bursts.saturating_add(1);
+        self.voltage.spend(&mut state.voltage, self.parameters.bursts.energy);
+        self.go_on(state, self.duration + GRACE)
+    }
+
+    /// Asks for the samples that are missing, for `left` s.
+    fn go_on(&self, state: &MapState<P, ACTIONS>, left: u32) -> Wake {
+        let samples = state.burst.start_up.saturating_add(state.burst.missing);
+        Wake { task: Task::Burst { samples }, again_in: left, read: false }
+    }
+
+    /// Voltage of the storage in V for a map of charge; 0 for another one, which does not ask for it.
+    fn voltage_of_map(&self, state: &MapState<P, ACTIONS>) -> f32 {
+        if self.map.is_current() { self.voltage.voltage(&state.voltage) } else { 0.0 }
+    }
+
+    /// Takes in what a whole burst says.
+    #[inline(never)]
+    fn take(&self, state: &mut MapState<P, ACTIONS>, voltage: f32) -> Finding {
+        let modelled = state.burst.blocks.modelled(&self.map, voltage);
+        let (finding, yielded) = match modelled.finding {
+            Finding::Line | Finding::Broadband | Finding::Rest => (modelled.finding, modelled.lower),
+            Finding::TwoMotions => self.decide(state, &modelled),
+            other => {
+                self.miss(state);
+                return other;
+            }
+        };
+        if !matches!(modelled.finding, Finding::TwoMotions) {
+            state.motion = None;
+        }
+        let before = state.held;
+        state.held.hear(yielded, [&mut state.interval, &mut state.hour]);
+        state.misses = 0;
+        let interval = self.voltage.last_interval(&state.voltage);
+        state.is_between = state.untold == 0;
+        if state.is_between && before.is_since(interval) {
+            self.compare_between(state, before.yielded);
+        }
+        finding
+    }
+
+    /// Which of two motions goes on: the one of the burst before, or the one whose output power the storage has told.
+    fn decide(&self, state: &mut MapState<P, ACTIONS>, modelled: &Modelled) -> (Finding, Yield) {
+        let told = state.told[0].filter(|told| state.untold == 0 && told.power > 0.0 && state.gain > 0.0);
+        if let Some(Told { power, variance, .. }) = told {
+            // The gain is a factor: the ratio of the expected to the told power counts, by (x − 1)/√x.
+            let of_power = variance / (power * power);
+            let departure = |of: &Yield| {
+                let ratio = state.gain * of.value / power;
+                let noise = of.noise / of.value;
+                let variance = of_power
+                    + state.of_gain / (state.gain * state.gain)
+                    + of.systematic * of.systematic
+                    + noise * noise;
+                (ratio - 1.0) * (ratio - 1.0) / (ratio * variance)
+            };
+            state.motion = match [departure(&modelled.lower), departure(&modelled.upper)] {
+                [lower, upper] if lower < 4.0 && upper > 16.0 => Some(Motion::Lower),
+                [lower, upper] if upper < 4.0 && lower > 16.0 => Some(Motion::Upper),
+                _ => state.motion,
+            };
+        }
+        match state.motion {
+            Some(Motion::Lower) => (Finding::TwoMotionsOneSeen, modelled.lower),
+            Some(Motion::Upper) => (Finding::TwoMotionsOneSeen, modelled.upper),
+            None => (Finding::TwoMotions, modelled.either()),
+        }
+    }
+
+    /// The samples of a burst under way are lost.
+    fn give_up(&self, state: &mut MapState<P, ACTIONS>) {
+        state.burst.missing = 0;
+        self.miss(state);
+    }
+
+    /// A burst has no value.
+    fn miss(&self, state: &mut MapState<P, ACTIONS>) {
+        state.misses = state.misses.saturating_add(1);
+        state.motion = None;
+        state.held.miss();
+    }
+}
+
+impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> Tier for MapNode<W, M, P, ACTIONS> {
+    const BURSTS: bool = true;
+
+    fn start(&self, second: u32) -> MapState<P, ACTIONS> {
+        let burst = Burst { bank: self.bank.start(), blocks: Blocks::default(), start_up: 0, missing: 0 };
+        MapState {
+            voltage: self.voltage.start(second),
+            burst,
+            held: Held::default(),
+            interval: ModelledEnergy::default(),
+            hour: ModelledEnergy::default(),
+            gain: 1.0,
+            of_gain: self.parameters.gain * self.parameters.gain,
+            contradictions: 0,
+            is_doubtful: false,
+            told: [None; 2],
+            untold: 0,
+            is_between: false,
+            motion: None,
+            since: 0,
+            bursts: 0,
+            misses: 0,
+            is_asked: false,
+            last_hour: None,
+        }
+    }
+
+    fn second(state: &MapState<P, ACTIONS>) -> u32 {
+        VoltageNode::second(&state.voltage)
+    }
+
+    #[inline(never)]
+    fn wake(&self, state: &mut MapState<P, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
+        let seconds = now.saturating_sub(Self::second(state));
+        if state.burst.missing > 0 {
+            let left = (self.duration + GRACE).saturating_sub(seconds);
+            if now >= Self::second(state) && left > 0 {
+                return self.go_on(state, left);
+            }
+            self.give_up(state);
+        }
+        self.pass(state, seconds);
+        let beside = self.beside(state);
+        let wake = self.voltage.wake_with(&mut state.voltage, now, code, beside);
+        self.conclude(state);
+        self.with_burst(state, wake)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn wake_after(&self, state: &mut MapState<P, ACTIONS>, gap: Gap, code: Option<u32>) -> Wake {
+        let before = Self::second(state);
+        let seconds = gap.end().map_or(0, |now| now.saturating_sub(before));
+        if seconds > 0 || gap == Gap::Unknown {
+            // What the vibration was since is unknown.
+            state.held.miss();
+        }
+        self.pass(state, seconds);
+        if state.burst.missing > 0 {
+            self.give_up(state);
+        }
+        let beside = self.beside(state);
+        let wake = self.voltage.wake_after_with(&mut state.voltage, gap, code, beside);
+        self.conclude(state);
+        self.with_burst(state, wake)
+    }
+
+    /// Cost: that of [`LineBank::take`]; a look-up for each whole block.
+    #[inline(never)]
+    fn samples(&self, state: &mut MapState<P, ACTIONS>, samples: &[i16]) -> Progress {
+        let voltage = self.voltage_of_map(state);
+        let burst = &mut state.burst;
+        if burst.missing == 0 {
+            return Progress::Idle;
+        }
+        let skipped = (burst.start_up as usize).min(samples.len());
+        burst.start_up -= skipped as u32;
+        let valid = samples.get(skipped..).unwrap_or(&[]);
+        let mut left = valid.get(..burst.missing as usize).unwrap_or(valid);
+        let clipped = self.parameters.sensor.clipped;
+        burst.blocks.is_damaged |= left.iter().any(|&sample| sample >= clipped || sample <= -clipped);
+        while !left.is_empty() {
+            let (taken, lines) = self.bank.take(&mut burst.bank, left);
+            if taken == 0 {
+                break;
+            }
+            burst.missing = burst.missing.saturating_sub(taken as u32);
+            left = left.get(taken..).unwrap_or(&[]);
+            if let Some(lines) = lines {
+                burst.blocks.add(&self.map, &lines, voltage);
+            }
+        }
+        if burst.missing == 0 {
+            return Progress::Done(self.take(state, voltage));
+        }
+        Progress::More(burst.start_up.saturating_add(burst.missing))
+    }
+
+    fn samples_lost(&self, state: &mut MapState<P, ACTIONS>) {
+        state.burst.blocks.is_damaged = true;
+    }
+}
+
+impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> Configuration
+    for MapNode<W, M, P, ACTIONS>
+{
+    type State = MapState<P, ACTIONS>;
+
+    /// Of map, bank and storage: what was learnt survives other intervals, energies and tolerances.
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("map");
+        fingerprint.numbers(&[self.map.fingerprint(), self.map.checksum()]);
+        self.bank.identify(fingerprint);
+        self.voltage.identify(fingerprint);
+    }
+}

@@ -1,0 +1,121 @@
+//! The income by the map: the modelled output power, held from burst to burst.
+//!
+//! Between two bursts the power is taken to have jumped once, at any time: its mean is that of both, and the variance of its
+//! integral over the time `t` is `(Δ t)²/12`. After the last burst it walks, by `c` in W² a second, which is the mean of
+//! `Δ²/t` over the bursts: over the time from `h` to `h + t` after the burst the variance of the integral is `c (h t² + t³/3)`.
+
+use super::finding::Yield;
+use crate::node::real;
+use crate::scalar::Scalar;
+use crate::snapshot::snapshot_fields;
+
+/// Weight of the newest change of the power in their mean.
+const NEWEST: f32 = 0.0625;
+/// Relative change of the power in the root of an hour that is expected before two bursts have shown one.
+const EXPECTED: f32 = 0.5;
+/// Part of the largest power by which the power changes at least in the root of an hour: vibration begins and ends.
+const LEAST_CHANGE: f32 = 0.03;
+
+/// The modelled output power since the last burst.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Held {
+    pub(super) is_known: bool,
+    /// What the last burst said.
+    pub(super) yielded: Yield,
+    /// Seconds since it.
+    pub(super) seconds: u32,
+    /// Mean square of the change of the power in W² a second; 0 before two bursts in turn.
+    change: f32,
+}
+
+/// Modelled energy of a time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Modelled {
+    /// Seconds, and those of them of which the map says nothing.
+    pub(super) seconds: u32,
+    unknown: u32,
+    /// In J; the variance of its error by noise and changes, and the error that is the same at the same place in the map.
+    pub(super) energy: f32,
+    variance: f32,
+    pub(super) systematic: f32,
+}
+
+impl Held {
+    /// Whether the last burst was taken at the begin of an interval of so many seconds that ends now.
+    pub(super) fn is_since(&self, interval: u32) -> bool {
+        self.is_known && self.seconds.abs_diff(interval) <= interval / 8 + 1
+    }
+
+    /// Mean square of the change of the power in W² a second, for a harvester of a `largest` power in W.
+    pub(super) fn change(&self, largest: f32) -> f32 {
+        let least = LEAST_CHANGE * largest;
+        let expected = if self.change > 0.0 { 0.0 } else { EXPECTED * self.yielded.value };
+        Scalar::max(self.change, Scalar::max(least * least, expected * expected) * (1.0 / 3600.0))
+    }
+
+    /// Variance of the power now in W².
+    pub(super) fn variance(&self, largest: f32) -> f32 {
+        self.yielded.noise * self.yielded.noise + self.change(largest) * real(self.seconds)
+    }
+
+    /// A time passes. What is held adds to `sums`.
+    pub(super) fn pass(&mut self, seconds: u32, sums: [&mut Modelled; 2]) {
+        let Yield { value, noise, systematic } = self.yielded;
+        for sum in sums {
+            if self.is_known {
+                // The noise of a burst is the same for as long as it is held.
+                let before = real(self.seconds.min(sum.seconds));
+                let after = before + real(seconds);
+                sum.energy += value * real(seconds);
+                sum.variance += noise * noise * (after * after - before * before);
+                sum.systematic += systematic * value * real(seconds);
+            } else {
+                sum.unknown = sum.unknown.saturating_add(seconds);
+            }
+            sum.seconds = sum.seconds.saturating_add(seconds);
+        }
+        self.seconds = self.seconds.saturating_add(seconds);
+    }
+
+    /// A burst says what the power is now.
+    pub(super) fn hear(&mut self, yielded: Yield, sums: [&mut Modelled; 2]) {
+        let step = yielded.value - self.yielded.value;
+        if self.is_known {
+            for sum in sums {
+                let moved = step * real(self.seconds.min(sum.seconds));
+                sum.energy = Scalar::max(sum.energy + 0.5 * moved, 0.0);
+                sum.variance += moved * moved * (1.0 / 12.0);
+            }
+            let noise = yielded.noise * yielded.noise + self.yielded.noise * self.yielded.noise;
+            let change = Scalar::max(step * step - noise, 0.0) / real(self.seconds.max(1));
+            let weight = if self.change > 0.0 { NEWEST } else { 1.0 };
+            // A walk that has been seen is not taken for none.
+            self.change = Scalar::max(self.change + weight * (change - self.change), f32::MIN_POSITIVE);
+        }
+        (self.is_known, self.yielded, self.seconds) = (true, yielded, 0);
+    }
+
+    /// A burst had no value.
+    pub(super) fn miss(&mut self) {
+        (self.is_known, self.seconds) = (false, 0);
+    }
+}
+
+impl Modelled {
+    /// Whether the map says something of all of the time.
+    pub(super) fn is_known(&self) -> bool {
+        self.unknown == 0 && self.seconds > 0
+    }
+
+    /// The variance of the energy in J² up to now.
+    pub(super) fn variance(&self, held: &Held, largest: f32) -> f32 {
+        let within = held.seconds.min(self.seconds);
+        let (before, time) = (real(held.seconds - within), real(within));
+        self.variance + held.change(largest) * time * time * (before + time * (1.0 / 3.0))
+    }
+}
+
+snapshot_fields!(impl [] Held { is_known, yielded, seconds, change } if |held| held.change >= 0.0);
+snapshot_fields!(impl [] Modelled { seconds, unknown, energy, variance, systematic } if |sum| sum.variance >= 0.0);
