@@ -146,6 +146,25 @@ pub fn order(points: &[(f64, f64)]) -> f64 {
     covariance / logs.iter().map(|point| (point.0 - x).powi(2)).sum::<f64>()
 }
 
+/// Mean square of the current in A² through a resistor in periodic motion, `q' = rate(θ) (relaxed(θ) − q)` with the phase `θ` from
+/// 0 to 2π in a period in s: exponential midpoint rule from the periodic charge. Charges in C, rates in 1/s.
+pub fn mean_square_current(period_s: f64, rate: impl Fn(f64) -> f64, relaxed: impl Fn(f64) -> f64) -> f64 {
+    const PARTS: u32 = 2_000_000;
+    let part_s = period_s / f64::from(PARTS);
+    let cycle = |start: f64| {
+        (0..PARTS).fold([start, 1.0, 0.0], |[charge, left, squares], part| {
+            let phase = std::f64::consts::TAU * (f64::from(part) + 0.5) / f64::from(PARTS);
+            let (rate, relaxed) = (rate(phase), relaxed(phase));
+            let half = (-0.5 * rate * part_s).exp();
+            let away = charge - relaxed;
+            let current = rate * away * half;
+            [relaxed + away * half * half, left * half * half, squares + current * current]
+        })
+    };
+    let [end, left, _] = cycle(0.0);
+    cycle(end / (1.0 - left))[2] / f64::from(PARTS)
+}
+
 /// Calls `work` for each item, on all cores, and gives the results in the items' order.
 pub fn on_all_cores<I: Sync, R: Send>(items: &[I], work: impl Fn(&I) -> R + Sync) -> Vec<R> {
     let next = std::sync::atomic::AtomicUsize::new(0);

@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use cross_crate_tests::{
-    GRAVITY, adaptive, assert_close, fixed, on_all_cores, periods, reference, resistor, rub, sine, single,
-    slide, sliding, value,
+    GRAVITY, adaptive, assert_close, fixed, mean_square_current, on_all_cores, periods, reference, resistor,
+    rub, sine, single, slide, sliding, value,
 };
 use host_bench::method::{Failure, Options};
 use host_bench::run::run_scene;
@@ -277,6 +277,49 @@ fn power_of_a_small_load_is_proportional_to_it() {
                 per_ohm,
                 tolerance + 2.0 * lag + 10.0 * lag * lag,
             );
+        }
+    }
+}
+
+/// `q' = (σ S2 − q) / R C` with `C = ε0 ε_r S1 / d`: of a sinusoidal motion the power is a quadrature.
+#[test]
+fn in_a_sinusoidal_slide_the_power_is_a_quadrature() {
+    let amplitude = linear_amplitude(&Mode::of_table_1(), 15.0);
+    let active = |phase: f64| active(amplitude * phase.sin());
+    for resistance in [1e7, 1e8, 3e8, 1e9] {
+        let rate = |phase: f64| DIELECTRIC / (resistance * PERMITTIVITY_AREA * active(phase));
+        let squared = mean_square_current(1.0 / 15.0, rate, |phase| 80e-6 * PATCH * (1.0 - active(phase)));
+        let scene = linear(15.0, |scene, model| {
+            model.parameters.force_law = ForceLaw::None;
+            scene.load = resistor(resistance);
+        });
+        for (options, tolerance) in [(adaptive(1e-6), 1e-5), (single(adaptive(1e-4)), 1e-3)] {
+            let power = value(slide(&scene, &options).0.mean_power_w);
+            println!("{resistance:e} Ω: off by {:.1e}", power / (resistance * squared) - 1.0);
+            assert_close(&format!("{resistance:e} Ω: power"), power, resistance * squared, tolerance);
+        }
+    }
+}
+
+/// Along a run with friction: in a short circuit the charge is `σ S2`, with the load open the voltage is `(σ S2 − q) / C`.
+#[test]
+fn without_and_with_an_infinite_load_charge_and_voltage_follow_the_overlap() {
+    let options = Options { trace_every_s: Some(1.3e-3), ends_every_s: Some(1.3e-3), ..adaptive(1e-5) };
+    for load in [0.0, f64::INFINITY] {
+        let scene = sliding(|scene, model| {
+            model.initial.charge_c = (load > 0.0).then_some(3e-9);
+            scene.load = resistor(load);
+            scene.run = periods(18.373, 40, 20);
+        });
+        let rows = run_scene(&scene, &options).expect("it runs").trace.expect("a trace was asked for").rows;
+        assert!(rows.len() > 1000);
+        // The terminals of a slider that sticks with a frozen charge are at 0 V.
+        for row in rows.iter().filter(|row| row[6] == 0.0) {
+            let relaxed = 80e-6 * PATCH * (1.0 - active(row[1]));
+            let charge = if load > 0.0 { 3e-9 } else { relaxed };
+            let voltage = (relaxed - charge) * DIELECTRIC / (PERMITTIVITY_AREA * active(row[1]));
+            let off = [(row[3] - charge).abs() / (80e-6 * PATCH), (row[4] - voltage).abs()];
+            assert!(off[0] < 1e-9 && off[1] < 1e-6 * (1.0 + voltage.abs()), "{load} Ω: {row:?}: {off:?}");
         }
     }
 }

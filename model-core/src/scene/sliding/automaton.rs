@@ -227,7 +227,9 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         let mut outputs = Outputs::of_state(&point.state);
         outputs.motions[0] = Motion { value: displacement, rate: velocity };
         let (voltage, current) = self.voltage_and_current(mode, &point.state, &point.derivative);
-        outputs.charge = Motion { value: self.charge_unit * charge, rate: current };
+        // In a short circuit the charge follows the overlap, and the state does not.
+        let transferred = self.circuit(mode.is_ahead(displacement), displacement, charge).transferred;
+        outputs.charge = Motion { value: self.charge_unit * transferred, rate: current };
         outputs.voltage = voltage;
         let [mechanical, electrical] = self.energies(mode, point.state);
         outputs.stored = StoredEnergy { mechanical, electrical };
