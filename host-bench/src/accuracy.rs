@@ -82,11 +82,12 @@ pub(crate) fn run_with_steps(scene: &Scene, options: &Options) -> Result<(Outcom
 fn warn(scene: &Scene, outcome: &mut Outcome, options: &Options, asked: Option<f64>) {
     let mut doubts = Vec::new();
     if options.method != Method::Reference {
-        let unresolved = unresolved(scene, outcome).or_else(|| beyond_threshold(scene, outcome));
+        let unresolved = unresolved(scene, outcome);
         if unresolved.is_some() {
             outcome.accuracy.total = None;
         }
-        doubts.extend(unresolved.or_else(|| warning(outcome, asked)));
+        let missed = || beyond_threshold(scene, outcome);
+        doubts.extend(unresolved.or_else(missed).or_else(|| warning(outcome, asked)));
         doubts.extend(sampled(scene, outcome));
     }
     doubts.extend(imbalance(outcome));
@@ -111,11 +112,6 @@ fn tightened(scene: &Scene, options: Options, outcome: Outcome, asked: f64) -> (
         let limited = Options { most_attempts: tighter.most_attempts.or(Some(MOST_ATTEMPTS)), ..tighter };
         let Ok(mut again) = run_scene(scene, &limited) else { break };
         state(scene, &limited, &mut again);
-        if again.accuracy.total.is_some() && bounces_at_rest(scene) {
-            let least = step * 0.5_f64.sqrt().powi(tighter.halvings.abs_diff(best.1.halvings).cast_signed());
-            again.accuracy.step = again.accuracy.step.map(|step| step.max(least));
-            again.accuracy = again.accuracy.summed();
-        }
         tried = tighter;
         spent_s += again.processor_s;
         vain += 1;
@@ -127,13 +123,6 @@ fn tightened(scene: &Scene, options: Options, outcome: Outcome, asked: f64) -> (
     }
     best.0.processor_s = spent_s;
     best
-}
-
-/// Whether a beam bounces at a rigid stop without a gap. Impacts between two steps are missed there at any step: two runs may agree
-/// by chance, and the error falls with the root of the step at most.
-fn bounces_at_rest(scene: &Scene) -> bool {
-    let stop = if let Model::BumpStop(model) = &scene.model { model.stop.as_ref() } else { None };
-    stop.is_some_and(|stop| stop.gap_m == 0.0 && stop.restitution.is_some())
 }
 
 /// The options of a run whose error by the step is so many times as small: of bump-stop in halves of the default steps, if the

@@ -41,7 +41,7 @@ pub(super) fn difference(one: &Outcome, two: &Outcome) -> Option<Difference> {
 
 /// The largest gap, displacement of the slider or displacement of the tip in m, and the RMS voltage in V; 0 where
 /// there is none.
-fn motions(outcome: &Outcome) -> [f64; 2] {
+pub(super) fn motions(outcome: &Outcome) -> [f64; 2] {
     [outcome.largest_motion_m(), outcome.rms_voltage_v].map(|value| value.unwrap_or(0.0))
 }
 

@@ -4,9 +4,9 @@
 //! the energies in the sixteen parts of the window by more than 10⁻⁶ of the whole, and half the step changes them by more than
 //! 10⁻⁴. The power of one run is then that of one motion of many.
 
-use super::difference::{Difference, difference};
+use super::difference::{Difference, delivers, difference, motions};
 use super::runs::{Runs, to_compare};
-use crate::method::{Options, Precision};
+use crate::method::Options;
 use crate::outcome::Outcome;
 use crate::shift::SHIFT;
 
@@ -16,18 +16,16 @@ const CHAOTIC: [f64; 2] = [1e-4, 1e-6];
 /// Relative difference of the parts of a run in single precision from one in double precision up to which a motion is not
 /// chaotic: its roundings are displacements, too.
 const BY_ROUNDING: f64 = 1e-4;
-/// Displaced starts in the steps of the run, in double and in single precision, and in half the steps. The displacements are as
-/// large as errors by the step: runs of smaller ones stay together for longer than a run stays with the exact motion, and
-/// scatter less than its error.
-const DISPLACED: [&[f64]; 2] = [&[-1e-4, 2e-4, -2e-4, 3e-4, -3e-4], &[1e-4, -1e-4, 2e-4, -2e-4]];
-const DISPLACED_IN_HALVES: &[f64] = &[1e-4, -1e-4, 2e-4, -2e-4];
+/// Displaced starts in the steps of the run and in half of them. The displacements are as large as errors by the step: runs of
+/// smaller ones stay together for longer than a run stays with the exact motion, and scatter less than its error.
+const DISPLACED: [f64; 4] = [1e-4, -1e-4, 2e-4, -2e-4];
 /// Standard errors that are stated, fitted to random scenes: the variances are those of a dozen runs.
 const CONFIDENCE: f64 = 4.0;
 
-/// The energies delivered in the window, over displaced starts, in J.
+/// The energies delivered in the window, over displaced starts, in J; where none is, the largest motion in m or the RMS voltage in V.
 pub(super) struct Ensemble {
     pub(super) mean_j: f64,
-    /// Standard error of the mean from the mean of accurate runs.
+    /// Standard error of the mean from the mean of accurate runs; where no energy is delivered, that of one run from another.
     pub(super) standard_error_j: f64,
     /// By the step: the difference of the means in the steps of the run and in half of them, less its own standard error.
     pub(super) bias_j: f64,
@@ -56,25 +54,30 @@ pub(super) fn chaotic(
 }
 
 /// The ensemble of a run of a chaotic motion, with two runs in double precision from starts that are next to each other, and
-/// one in half the steps with its options.
+/// one in half the steps with its options; and the other runs of it.
 pub(super) fn ensemble(
     runs: &mut Runs<'_>,
     options: &Options,
     (outcome, alike): (&Outcome, [&Outcome; 2]),
     (finer, half): &(Options, Outcome),
-) -> Option<Ensemble> {
-    let is_single = options.chosen_precision() == Precision::F32;
-    let mut own = runs.at(&to_compare(options), DISPLACED[usize::from(is_single)]);
+) -> Option<(Ensemble, Vec<Outcome>)> {
+    let mut own = runs.at(&to_compare(options), &DISPLACED);
     own.push(outcome.clone());
-    let mut halves = runs.at(finer, DISPLACED_IN_HALVES);
+    let mut halves = runs.at(finer, &DISPLACED);
     halves.push(half.clone());
-    let [own, halves] = [&own, &halves].map(|runs| runs.iter().map(energies).collect::<Vec<_>>());
-    of_energies([&own, &halves], &alike.map(energies))
-}
-
-/// The energies that a run delivers in the parts of the window, in J.
-fn energies(run: &Outcome) -> &[f64] {
-    &run.block_energies_j
+    let of = |parts: &dyn Fn(&Outcome) -> Vec<f64>, near: [&Outcome; 2]| {
+        of_energies([&own, &halves].map(|runs| runs.iter().map(parts).collect()), &near.map(parts))
+    };
+    let found = if delivers(outcome) {
+        of(&|run| run.block_energies_j.clone(), alike)
+    } else {
+        // The run is one of many: it stays together with itself.
+        let of_motion = |index: usize| of(&|run| vec![motions(run)[index]], [outcome; 2]);
+        let found = [0, 1].into_iter().filter_map(of_motion).filter(|found| found.mean_j != 0.0);
+        found.max_by(|one, other| one.errors()[0].total_cmp(&other.errors()[0]))
+    }?;
+    own.extend(halves);
+    Some((found, own))
 }
 
 /// Of energies in the parts of the window, of runs in the steps of the run and in half of them, and of two runs from starts
@@ -83,19 +86,19 @@ fn energies(run: &Outcome) -> &[f64] {
 /// Accurate runs from near starts stay together until they have diverged, and a run in steps leaves them before. The energy of
 /// the time in between is that of one motion, from which the mean of an ensemble is as far as another motion is. The part of
 /// the variance that accurate runs show is that by which the runs of near starts differ.
-fn of_energies(runs: [&[&[f64]]; 2], near: &[&[f64]; 2]) -> Option<Ensemble> {
-    let [one, two] = runs.map(|runs| runs.len() as f64);
+fn of_energies(runs: [Vec<Vec<f64>>; 2], near: &[Vec<f64>; 2]) -> Option<Ensemble> {
+    let [one, two] = runs.each_ref().map(|runs| runs.len() as f64);
     if runs.iter().any(|runs| runs.len() < 2) {
         return None;
     }
     let of_runs = |energy: &dyn Fn(&[f64]) -> f64| {
-        runs.map(|runs| runs.iter().map(|parts| energy(parts)).collect::<Vec<f64>>())
+        runs.each_ref().map(|runs| runs.iter().map(|parts| energy(parts)).collect::<Vec<f64>>())
     };
     let energies = of_runs(&|parts| parts.iter().sum());
     let variance = pooled(&energies);
     let of_parts = |part: usize| pooled(&of_runs(&|parts| parts.get(part).copied().unwrap_or(0.0)));
     let scatter: f64 = (0..near[0].len()).map(of_parts).sum();
-    let apart: f64 = near[0].iter().zip(near[1]).map(|(one, other)| 0.5 * (one - other).powi(2)).sum();
+    let apart: f64 = near[0].iter().zip(&near[1]).map(|(one, other)| 0.5 * (one - other).powi(2)).sum();
     let together = if scatter > 0.0 { (1.0 - apart / scatter).max(0.0) } else { 0.0 };
     let [own, halves] = energies.map(|energies| mean(&energies));
     let bias = (own - halves).powi(2) - variance * (1.0 / one + 1.0 / two);
@@ -125,8 +128,10 @@ mod tests {
     use super::*;
 
     fn of(own: &[f64], halves: &[f64], near: [f64; 2]) -> Option<Ensemble> {
-        let [own, halves] = [own, halves].map(|runs| runs.chunks(1).collect::<Vec<_>>());
-        of_energies([&own, &halves], &[&near[..1], &near[1..]])
+        of_energies(
+            [own, halves].map(|runs| runs.chunks(1).map(<[f64]>::to_vec).collect()),
+            &near.map(|run| vec![run]),
+        )
     }
 
     #[test]

@@ -30,16 +30,11 @@ impl Runs<'_> {
     /// such parts. Runs that do not come to their end are left out.
     pub(super) fn at(&mut self, options: &Options, shifts: &[f64]) -> Vec<Outcome> {
         let scene = self.scene;
-        let run = |shift: &f64| companion(&shifted(scene, *shift)?, options);
+        let run = |shift: &f64| run_scene(&shifted(scene, *shift)?, options).ok();
         let found: Vec<Outcome> = shifts.par_iter().filter_map(run).collect();
         self.steps += found.iter().map(|run| run.steps).sum::<u64>();
         found
     }
-}
-
-/// A run to compare with; `None` if it cannot be run to its end.
-pub(super) fn companion(scene: &Scene, options: &Options) -> Option<Outcome> {
-    run_scene(scene, options).ok()
 }
 
 /// The options of a run to compare with, in double precision.

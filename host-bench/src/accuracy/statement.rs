@@ -2,25 +2,31 @@
 
 use super::difference::{Difference, delivers, difference};
 use super::ensemble::{chaotic, ensemble};
-use super::runs::{Runs, companion, in_double_precision};
-use super::warnings::differing_peak;
+use super::runs::{Runs, in_double_precision};
+use super::warnings::{beyond_threshold, differing_peak};
 use super::{LEAST, has_own_steps, has_tolerance};
-use crate::embedded::DEFAULT_SHORT_STEP_S;
+use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
 use crate::method::{Options, Precision};
 use crate::outcome::{Accuracy, Outcome, standard_error_of_sum};
+use crate::run::run_scene;
 use crate::scene_file::{Draw, Excitation, Load, Model, Scene, Trace};
 
 /// Stated errors over differences: of the energies delivered, and of those in the parts of the window, which cancel by chance in
 /// the whole. Both are fitted to random scenes: docs/verification.md.
 const STATED: [f64; 2] = [3.0, 0.3];
-/// Halvings of a tolerance to compare with. The error falls to a sixtieth, and half the tolerance may change no step.
+/// Halvings of a tolerance to compare with. Half the tolerance may change no step.
 const TOLERANCE_HALVINGS: u32 = 3;
 /// Least steps of a run to compare with over those of the run: in the same steps both have the same error.
 const MORE_STEPS: f64 = 1.3;
+/// Length of the steps of a run to compare with over the mean of the run, where another tolerance or step takes hardly more steps.
+const SHORTER: f64 = 0.6;
 /// Intervals of the smoother trace in one of the given trace.
 const FINER: usize = 4;
 /// Length of the window over which the sampling error is half as large, in windows.
 const HALVING: f64 = 4.0;
+
+/// Lengths of the longer steps that a beam which bounces at rest is compared with, over those of the run.
+const COARSER: [f64; 3] = [2.0, 4.0, 8.0];
 
 /// The stated error of a difference.
 fn stated(difference: Difference) -> f64 {
@@ -31,49 +37,55 @@ fn stated(difference: Difference) -> f64 {
 /// States the accuracy of a run that has given `outcome`. Of a chaotic motion its mean power becomes that of the ensemble.
 pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     let mut runs = Runs { scene, steps: 0 };
+    let single = outcome.precision == Precision::F32.name();
+    let exact = if single { runs.get(&in_double_precision(options)) } else { None };
     // A bare run of bump-stop does not measure the voltage that is compared where no power is delivered.
     let bare = delivers(outcome);
     let options = &Options { bare, ..*options };
     let double = in_double_precision(options);
-    let single = outcome.precision == Precision::F32.name();
-    let exact = if single { runs.get(&double) } else { None };
     outcome.accuracy = Accuracy::default();
     let alike = if single { exact.as_ref() } else { Some(&*outcome) };
     let Some(alike) = alike else { return };
     let smoother = smoother(scene);
-    let sampling = smoother.as_ref().and_then(|smoother| companion(smoother, &double));
+    let sampling = smoother.as_ref().and_then(|smoother| run_scene(smoother, &double).ok());
     let sampling = sampling.and_then(|smooth| difference(alike, &smooth)).map(|found| found.whole);
     let is_layered = has_fast_storage(scene, &double, alike) || has_start_charge(scene, &double);
     let finer = finer(&mut runs, &double, alike, is_layered);
     let between = finer.as_ref().and_then(|(_, finer)| difference(alike, finer));
-    let can_be = delivers(outcome) && !is_coarse(scene, &double);
-    let peaks = finer.as_ref().and_then(|(_, finer)| differing_peak(outcome, finer));
-    let between_steps = between.filter(|_| can_be);
+    // All of a power that is delivered in double precision only is lost.
+    let is_lost = delivers(alike) && !delivers(outcome);
+    let between_steps = between.filter(|_| !is_lost && !is_coarse(scene, &double));
+    let is_missed = beyond_threshold(scene, alike).is_some();
     let rounding = exact.as_ref().and_then(|exact| difference(outcome, exact));
     let displaced = chaotic(&mut runs, &double, alike, [between_steps, rounding]);
     let found = displaced
-        .zip(finer)
-        .and_then(|(displaced, finer)| ensemble(&mut runs, options, (outcome, [alike, &displaced]), &finer));
+        .zip(finer.as_ref())
+        .and_then(|(displaced, finer)| ensemble(&mut runs, options, (outcome, [alike, &displaced]), finer));
+    let coarser = if found.is_none() { by_coarser_steps(&mut runs, &double, alike) } else { 0.0 };
     let work = runs.steps as f64 / outcome.steps.max(1) as f64;
     let window = (found.is_some() || scene.excitation.is_irregular()).then(|| window(outcome)).flatten();
     let mut accuracy = Accuracy { sampling, window, work, ..Accuracy::default() };
     accuracy.window_halved_s =
         window.map(|_| outcome.settle_s + HALVING * (outcome.duration_s - outcome.settle_s));
-    if let Some(found) = found {
+    let finer = finer.as_ref().map_or(&[][..], |(_, finer)| std::slice::from_ref(finer));
+    let peaks = differing_peak(outcome, found.as_ref().map_or(finer, |(_, others)| others), found.is_some());
+    outcome.warnings.extend(peaks);
+    if let Some((found, _)) = found {
         let [chaos, step] = found.errors();
-        let length_s = outcome.duration_s - outcome.settle_s;
-        outcome.mean_power_w = Some(found.mean_j / length_s);
-        outcome.mean_power_standard_error_w = Some(found.standard_error_j / length_s);
+        if delivers(outcome) {
+            let length_s = outcome.duration_s - outcome.settle_s;
+            outcome.mean_power_w = Some(found.mean_j / length_s);
+            outcome.mean_power_standard_error_w = Some(found.standard_error_j / length_s);
+        }
         outcome.accuracy = Accuracy { chaos: Some(chaos), step: Some(step.max(LEAST)), ..accuracy }.summed();
         return;
     }
-    outcome.warnings.extend(peaks);
-    accuracy.step = between.map(stated).map(|step| step.max(LEAST));
-    accuracy.rounding = rounding.map(|found| found.whole);
+    accuracy.step = between.map(stated).map(|step| step.max(coarser).max(LEAST));
+    accuracy.rounding = if is_lost { Some(1.0) } else { rounding.map(|found| found.whole) };
     if is_layered {
         accuracy.boundary_layers = accuracy.step;
     }
-    let is_unknown = single && accuracy.rounding.is_none();
+    let is_unknown = is_missed || single && accuracy.rounding.is_none();
     outcome.accuracy = if is_unknown { accuracy } else { accuracy.summed() };
 }
 
@@ -84,7 +96,7 @@ fn window(outcome: &Outcome) -> Option<f64> {
 }
 
 /// A run in shorter steps, with its options; `None` if there is none that can be compared. Where a smaller tolerance or a shorter
-/// step takes hardly more steps, and where a circuit relaxes within a step, it is one in steps of at most half the mean length.
+/// step takes hardly more steps, and where a circuit relaxes within a step, it is one in steps of at most 0.6 of the mean length.
 fn finer(
     runs: &mut Runs<'_>,
     double: &Options,
@@ -100,10 +112,28 @@ fn finer(
     let shorter = Options { halvings: double.halvings + more, ..*double };
     // Steps end at the samples of a trace at any tolerance.
     if is_layered || matches!(scene.excitation, Excitation::File(_)) && has_tolerance(scene, double) {
-        return in_halves(runs, &shorter, alike);
+        return in_shorter_steps(runs, &shorter, alike);
     }
     let found = runs.get(&shorter).filter(|finer| is_comparable(finer, alike));
-    found.map(|found| (shorter, found)).or_else(|| in_halves(runs, &shorter, alike))
+    found.map(|found| (shorter, found)).or_else(|| in_shorter_steps(runs, &shorter, alike))
+}
+
+/// The stated error of a beam that bounces at a rigid stop without a gap, by runs in longer steps. Impacts between two steps are
+/// missed there at any step: two runs may agree by chance, and the error falls with the root of the step at most.
+fn by_coarser_steps(runs: &mut Runs<'_>, double: &Options, alike: &Outcome) -> f64 {
+    let stop = if let Model::BumpStop(model) = &runs.scene.model { model.stop.as_ref() } else { None };
+    let bounces_at_rest = stop.is_some_and(|stop| stop.gap_m == 0.0 && stop.restitution.is_some());
+    if !bounces_at_rest || !has_own_steps(runs.scene, double) {
+        return 0.0;
+    }
+    let short_s = double.step_s.unwrap_or(DEFAULT_SHORT_STEP_S);
+    let long_s = double.long_step_s.or(double.step_s).unwrap_or(DEFAULT_LONG_STEP_S);
+    let of = |times: f64| {
+        let steps = [short_s, long_s].map(|step_s| Some(times * step_s));
+        let coarser = runs.get(&Options { step_s: steps[0], long_step_s: steps[1], ..*double })?;
+        Some(stated(difference(alike, &coarser)?))
+    };
+    COARSER.into_iter().filter_map(of).fold(0.0, f64::max)
 }
 
 /// Whether a bump-stop run has steps that are longer than the default ones: too few steps for a period have errors that half the
@@ -119,15 +149,15 @@ fn is_comparable(finer: &Outcome, than: &Outcome) -> bool {
     has_more && difference(finer, than).is_some()
 }
 
-/// A run in steps of at most half the mean length, by the same tolerance if there is one.
-fn in_halves(runs: &mut Runs<'_>, shorter: &Options, alike: &Outcome) -> Option<(Options, Outcome)> {
-    let half_s = Some(0.5 * mean_step(runs.scene, alike));
-    let halves = match has_tolerance(runs.scene, shorter) {
-        true => Options { ends_every_s: half_s, ..*shorter },
-        false => Options { step_s: half_s, long_step_s: None, halvings: 0, ..*shorter },
+/// A run in steps that are limited by the mean length, by twice the tolerance of `shorter` if it has one.
+fn in_shorter_steps(runs: &mut Runs<'_>, shorter: &Options, alike: &Outcome) -> Option<(Options, Outcome)> {
+    let shorter_s = Some(SHORTER * mean_step(runs.scene, alike));
+    let limited = match has_tolerance(runs.scene, shorter) {
+        true => Options { ends_every_s: shorter_s, halvings: shorter.halvings - 1, ..*shorter },
+        false => Options { step_s: shorter_s, long_step_s: None, halvings: 0, ..*shorter },
     };
-    let found = runs.get(&halves).filter(|finer| is_comparable(finer, alike))?;
-    Some((halves, found))
+    let found = runs.get(&limited).filter(|finer| is_comparable(finer, alike))?;
+    Some((limited, found))
 }
 
 /// Whether a triboelectric run starts with a charge of its own. In a resistor, the force of a charge that is gone within

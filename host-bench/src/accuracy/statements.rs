@@ -96,14 +96,15 @@ impl Statements {
     }
 }
 
-/// How bad a warning is among those of its kind: by its margin to a limit, or else by its first number after `is` or `=`.
+/// How bad a warning is among those of its kind: by its margin to a limit, or else by the first number after a word that leads to it.
 fn badness(warning: &str) -> Option<f64> {
     let after = |word: &str| {
         let rest = warning.split(word).skip(1);
         let number = |text: &str| text.split([' ', ':', ')', ',']).next()?.parse::<f64>().ok();
         rest.into_iter().find_map(number)
     };
-    after("(margin ").map(f64::recip).or_else(|| after(" is ")).or_else(|| after(" = "))
+    let words = [" is ", " = ", " differs by ", "rate_hz: "];
+    after("(margin ").map(f64::recip).or_else(|| words.into_iter().find_map(after))
 }
 
 /// Prints the warnings among the fields of a result on standard error.
@@ -134,6 +135,14 @@ mod tests {
             (
                 "accuracy: energy_residual = 1.1e-2 is more than 0.01",
                 "accuracy: energy_residual = 3.0e1 is more than 0.01",
+            ),
+            (
+                "peaks: peak_voltage_v differs by 9.1e-2 in finer steps (--accuracy, --step or --tolerance)",
+                "peaks: peak_voltage_v differs by 1.2e-1 in finer steps (--accuracy, --step or --tolerance)",
+            ),
+            (
+                "excitation.rate_hz: 9.0e-3 of the mean power by the sampling of the trace",
+                "excitation.rate_hz: 1.0e-1 of the mean power by the sampling of the trace",
             ),
         ] {
             for order in [[mild, worse], [worse, mild]] {

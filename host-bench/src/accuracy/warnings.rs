@@ -24,8 +24,8 @@ const UNRESOLVED: [f64; 2] = [1e-26, 1e-12];
 /// The warning of a statement that is unknown or notable.
 pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
     let accuracy = &outcome.accuracy;
-    let quantity =
-        if delivers(outcome) { "the mean power" } else { "the largest motion and the RMS voltage" };
+    let is_power = delivers(outcome) || accuracy.rounding == Some(1.0);
+    let quantity = if is_power { "the mean power" } else { "the largest motion and the RMS voltage" };
     let Some(total) = accuracy.total else {
         return Some(format!(
             "accuracy: the error of {quantity} is unknown: a run to compare with did not end or has the same steps, or one \
@@ -43,12 +43,12 @@ pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
         let known = sources.iter().filter_map(|(name, error)| Some(format!("{:.1e} by {name}", (*error)?)));
         let not_held =
             asked.filter(|_| missed).map_or(String::new(), |asked| format!("{asked:e} is not held: "));
-        let unknown =
-            if total > UNKNOWN { format!("{quantity} cannot be told: ") } else { String::new() };
-        let remedy = if total > UNKNOWN {
-            "; smaller steps (--accuracy, --tolerance or --step) and a longer run.duration_s may help"
-        } else {
-            ""
+        let (unknown, remedy) = match total > UNKNOWN {
+            true => (
+                format!("{quantity} cannot be told: "),
+                "; smaller steps (--accuracy, --tolerance or --step) and a longer run.duration_s may help",
+            ),
+            false => Default::default(),
         };
         format!(
             "accuracy: {not_held}{unknown}the estimated relative error of {quantity} is {total:.1e}: {}{remedy}",
@@ -57,17 +57,22 @@ pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
     })
 }
 
-/// The warning of the peak that differs most from that of a run in finer steps.
-pub(super) fn differing_peak(outcome: &Outcome, finer: &Outcome) -> Option<String> {
-    let finer = fields(finer);
+/// The warning of the peak that differs most from that of a run in finer steps, or of one of the runs of a chaotic motion.
+pub(super) fn differing_peak(outcome: &Outcome, others: &[Outcome], is_chaotic: bool) -> Option<String> {
+    let own = fields(outcome);
     let is_peak = |name: &str| ["peak", "largest_range", "max_"].iter().any(|part| name.contains(part));
     let apart = |(name, value): (String, Value)| {
-        let (one, other) = (value.as_f64()?, finer.get(&name)?.as_f64()?);
+        let (one, other) = (own.get(&name)?.as_f64()?, value.as_f64()?);
         (one != other && is_peak(&name)).then(|| (name, (one / other - 1.0).abs()))
     };
-    let differing = fields(outcome).into_iter().filter_map(apart).filter(|(_, apart)| *apart > PEAK);
+    let differing = others.iter().flat_map(fields).filter_map(apart).filter(|(_, apart)| *apart > PEAK);
     let (name, apart) = differing.max_by(|(_, one), (_, other)| one.total_cmp(other))?;
-    Some(format!("peaks: {name} differs by {apart:.1e} in finer steps (--accuracy, --step or --tolerance)"))
+    let cause = if is_chaotic {
+        "displaced starts of a chaotic motion"
+    } else {
+        "finer steps (--accuracy, --step or --tolerance)"
+    };
+    Some(format!("peaks: {name} differs by {apart:.1e} in {cause}"))
 }
 
 /// The warning of a trace whose straight lines differ notably from a smooth curve through its samples, or cannot be compared with it.
