@@ -76,10 +76,9 @@ impl Ensemble {
                 ((squares / (count - 1.0)).sqrt(), DEVIATIONS)
             }
         };
+        let size = mean.abs();
         match apart <= most * error {
-            true if error <= MOST_UNCERTAIN * mean.abs() && apart <= MOST_APART * mean.abs() => {
-                Comparison::Agree
-            }
+            true if error <= MOST_UNCERTAIN * size && apart <= MOST_APART * size => Comparison::Agree,
             true => Comparison::Undecided,
             false => Comparison::Differ,
         }

@@ -14,7 +14,7 @@ const SHORTER: u32 = 2;
 /// Attempted steps of the tighter run and steps of the reference over those of the run.
 const MORE_ATTEMPTS: u64 = 8;
 /// Tolerance of the reference: its errors are far below what is judged.
-const REFERENCE_TOLERANCE: f64 = 1e-10;
+pub(super) const REFERENCE_TOLERANCE: f64 = 1e-10;
 /// Tolerances at which it must give the same numbers, with the parts of what is allowed: one of them may agree by chance.
 const LOOSER_TOLERANCES: [(f64, f64); 2] = [(1e-9, 0.5), (1e-8, 2.0)];
 
@@ -104,11 +104,6 @@ pub(super) fn relative(found: f64, exact: f64) -> f64 {
     if found == exact { 0.0 } else { ((found - exact) / exact).abs() }
 }
 
-/// A scene on the reference; `None` if it is refused or does not come to its end.
-pub(super) fn by_reference(scene: &Scene, most_attempts: u64) -> Option<Numbers> {
-    at_tolerance(scene, most_attempts, REFERENCE_TOLERANCE)
-}
-
 /// Whether the reference gives a quantity of `exact`, which is its own, at larger tolerances too. It does not where it
 /// resolves a stiff circuit or a noise of kHz badly, and where a power is that of its rounding.
 pub(super) fn reference_repeats(
@@ -117,12 +112,13 @@ pub(super) fn reference_repeats(
     (exact, quantity, allowed): (&Numbers, Quantity, f64),
 ) -> bool {
     LOOSER_TOLERANCES.into_iter().all(|(tolerance, part)| {
-        at_tolerance(scene, most_attempts, tolerance)
+        by_reference(scene, most_attempts, tolerance)
             .is_some_and(|looser| looser.error(exact, quantity) <= part * allowed)
     })
 }
 
-fn at_tolerance(scene: &Scene, most_attempts: u64, tolerance: f64) -> Option<Numbers> {
+/// A scene on the reference; `None` if it is refused or does not come to its end.
+pub(super) fn by_reference(scene: &Scene, most_attempts: u64, tolerance: f64) -> Option<Numbers> {
     let options = ReferenceOptions {
         tolerance,
         most_steps: Some(most_attempts.saturating_mul(MORE_ATTEMPTS)),
@@ -139,11 +135,8 @@ fn at_tolerance(scene: &Scene, most_attempts: u64, tolerance: f64) -> Option<Num
 pub(super) fn tighter(scene: &Scene, options: &Options) -> Option<Numbers> {
     let is_bump_stop = matches!(scene.model, Model::BumpStop(_));
     let more = if is_bump_stop { SHORTER } else { TIGHTER };
-    let step_s = if is_bump_stop {
-        options.step_s.map(|step_s| step_s.min(DEFAULT_SHORT_STEP_S))
-    } else {
-        options.step_s
-    };
+    let longest_s = if is_bump_stop { DEFAULT_SHORT_STEP_S } else { f64::INFINITY };
+    let step_s = options.step_s.map(|step_s| step_s.min(longest_s));
     let options = Options {
         precision: Some(Precision::F64),
         step_s,

@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::Case;
 use super::chaos::{Comparison, Ensemble};
-use super::exact::{Numbers, Quantity, by_reference, reference_repeats, relative, tighter};
+use super::exact::{
+    Numbers, Quantity, REFERENCE_TOLERANCE, by_reference, reference_repeats, relative, tighter,
+};
 use super::twin::{POWER, rescaled, split_error};
 use crate::accuracy::run_with_steps;
 use crate::method::{Failure, Options, Precision};
@@ -243,11 +245,10 @@ impl Judge {
     }
 
     fn exact(&self, scene: &Scene, options: &Options) -> Option<(&Numbers, bool)> {
-        let Effort { most_attempts, by_reference: asked } = self.effort;
-        let reference = || asked.then(|| by_reference(scene, most_attempts)).flatten();
-        let exact = self.exact.get_or_init(|| {
-            let reference = reference().map(|found| (found, true));
-            reference.or_else(|| Some((tighter(scene, options)?, false)))
+        let reference = || by_reference(scene, self.effort.most_attempts, REFERENCE_TOLERANCE);
+        let exact = self.exact.get_or_init(|| match self.effort.by_reference.then(reference).flatten() {
+            Some(found) => Some((found, true)),
+            None => Some((tighter(scene, options)?, false)),
         });
         exact.as_ref().map(|(exact, by_reference)| (exact, *by_reference))
     }

@@ -7,7 +7,7 @@ use super::{Case, Class, Effort, Finding, Judge, Quantity};
 use crate::outcome::{cell, csv_line, fields};
 
 /// A case with what became of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Row {
     /// Number of the case in its list.
     pub(crate) number: usize,
@@ -31,24 +31,6 @@ pub(crate) struct Row {
     /// The program that judged it, as by [`build`](super::build).
     pub(crate) build: String,
 }
-
-/// Columns of CSV.
-const COLUMNS: [&str; 14] = [
-    "number",
-    "scene",
-    "precision",
-    "class",
-    "quantity",
-    "error",
-    "stated",
-    "is_warned",
-    "by_reference",
-    "is_chaotic",
-    "work",
-    "reason",
-    "arguments",
-    "build",
-];
 
 impl Row {
     /// Judges cases that differ in nothing but precision; each has its number.
@@ -81,7 +63,7 @@ impl Row {
     }
 
     pub(crate) fn heading() -> String {
-        csv_line(COLUMNS.map(str::to_owned))
+        csv_line(fields(&Self::default()).into_iter().map(|(name, _)| name))
     }
 
     pub(crate) fn csv(&self) -> String {
@@ -117,7 +99,8 @@ mod tests {
             arguments: "run x --set 'load={kind=\"dc-bus\"}'".to_owned(),
             build: "0.1.0-0123".to_owned(),
         };
-        assert!(fields(&row).keys().eq(COLUMNS));
+        let columns = "number,scene,precision,class,quantity,error,stated,is_warned,by_reference,is_chaotic,work,reason,arguments,build\n";
+        assert_eq!(Row::heading(), columns);
         let judged = Row { number: 8, quantity: Some(Quantity::Motion), error: Some(1e-3), ..row.clone() };
         let text = Row::heading() + &row.csv() + &judged.csv();
         assert_eq!(Row::read(&text), Ok(vec![row, judged]));

@@ -3,7 +3,9 @@
 
 use cross_crate_tests::on_all_cores;
 use host_bench::method::Precision;
-use host_bench::stability::{Case, Class, Effort, Extent, Finding, Kind, draw, grid, judge};
+use host_bench::stability::{
+    Case, Class, Effort, Extent, Finding, Kind, Quantity, draw, draw_varied, grid, judge,
+};
 
 const SEED: u64 = 2026;
 const COUNT: u64 = 200;
@@ -244,6 +246,20 @@ fn steps_that_agree_by_chance_at_a_rigid_stop_are_warned() {
     let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true };
     let findings = none_fails(&[(draw(13, BOUNCING), effort)]);
     assert!(findings.iter().all(|finding| finding.is_warned), "{findings:?}");
+}
+
+/// A case of seed 407: a chaotic motion behind a bridge that does not conduct.
+#[test]
+fn a_chaotic_motion_that_delivers_no_power_is_warned() {
+    let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: false };
+    let findings = none_fails(&[(draw_varied(407, 151), effort)]);
+    for finding in &findings {
+        assert_eq!(
+            (finding.quantity, finding.is_chaotic, finding.is_warned),
+            (Some(Quantity::Motion), true, true)
+        );
+        assert!(finding.error.expect("an error") <= finding.stated.expect("a statement"), "{finding:?}");
+    }
 }
 
 /// Cases of seed 27 with a start charge or voltage, or with a storage that is empty within a step: of six the reference did not connect the draw of a storage that was charged at
