@@ -134,7 +134,7 @@ pub fn fixed(frequency: f32, shift: i32) -> Option<u32> {
         return None;
     }
     // Of the leading bit above bit 31: the mantissa lies at the upper end.
-    let right = 158 - (bits >> 23).cast_signed() - shift;
+    let right = (158 - (bits >> 23).cast_signed()).saturating_sub(shift);
     if right <= 1 {
         return None;
     }
@@ -147,15 +147,22 @@ pub(super) fn fixed_of_bits(bits: u32, right: u32) -> u32 {
     (bits << 8 | 1 << 31).wrapping_shr(right)
 }
 
-/// The detuning of a frequency `distance` units from the resonance, at most [`FARTHEST`] in magnitude; `slope` is 2²⁴ over
-/// the half-bandwidth in units, at most 2¹³.
+/// The detuning of a frequency `distance` units from the resonance, that of [`FARTHEST`] beyond; `slope` is 2²⁴ over the
+/// half-bandwidth in units, 2¹³ where it is larger.
 #[inline]
 #[must_use]
 pub fn detuning(distance: i32, slope: u32) -> i32 {
+    let farthest = FARTHEST.cast_signed();
+    detuning_within(distance.clamp(-farthest, farthest), slope.min(1 << 13))
+}
+
+/// As [`detuning`] within those bounds, without a meaning beyond.
+#[inline]
+pub(super) fn detuning_within(distance: i32, slope: u32) -> i32 {
     // Half-bandwidths and one more, in 2⁻²⁴: 1 has seven leading zeros.
-    let beside = distance.unsigned_abs() * slope + (1 << 24);
+    let beside = distance.unsigned_abs().wrapping_mul(slope).wrapping_add(1 << 24);
     let zeros = beside.leading_zeros();
-    let top = beside << zeros;
+    let top = beside.wrapping_shl(zeros);
     let index = (top >> 28).wrapping_sub(8 * zeros) % 64;
     let chord = ARSINH_CHORDS.get(index as usize).copied().unwrap_or(0);
     let magnitude = ((chord >> 16) + (((chord & 0xffff) * (top << 4 >> 23) + 256) >> 9)).cast_signed();
@@ -209,18 +216,20 @@ impl FoldedSpacing {
 /// The row and the place above it, in 2⁻¹⁰ of the distance to the next row, of a level at a distance from the boundary.
 ///
 /// The rows lie evenly in each octave of the distance increased by 2^`shift`: with two of them in an octave 0, ½, 1, 2, 3, 5,
-/// 7, 11, 15, … times 2^`shift` levels from the boundary.
+/// 7, 11, 15, … times 2^`shift` levels from the boundary. A distance of 2³¹ and more, a `shift` above 30 and `bits` above 15
+/// count as 2³¹ − 1, 30 and 15.
 #[inline]
 #[must_use]
-pub fn row(distance: u32, spacing: Spacing) -> (u32, u32) {
-    spacing.folded(0).row(distance)
+pub fn row(distance: u32, Spacing { shift, bits }: Spacing) -> (u32, u32) {
+    Spacing { shift: shift.min(30), bits: bits.min(15) }.folded(0).row(distance.min(u32::MAX >> 1))
 }
 
-/// Distance of a row from the boundary, in levels: the inverse of [`row`].
+/// Distance of a row from the boundary, in levels: the inverse of [`row`]; `u32::MAX` from 2³² levels on.
 #[must_use]
 pub fn row_distance(row: u32, Spacing { shift, bits }: Spacing) -> u32 {
-    let start = 1_u32 << ((row >> bits) + shift);
-    start + (row & ((1 << bits) - 1)) * (start >> bits) - (1 << shift)
+    let (shift, bits) = (shift.min(30), bits.min(15));
+    let start = 1_u32.checked_shl((row >> bits).saturating_add(shift));
+    start.map_or(u32::MAX, |start| start + (row & ((1 << bits) - 1)) * (start >> bits) - (1 << shift))
 }
 
 #[cfg(test)]
@@ -311,5 +320,44 @@ mod tests {
         }
         let two = Spacing { shift: 4, bits: 1 };
         assert_eq!([0, 1, 2, 3, 4, 5, 6].map(|row| row_distance(row, two)), [0, 8, 16, 32, 48, 80, 112]);
+    }
+
+    #[test]
+    fn numbers_outside_the_ranges_are_those_at_their_ends() {
+        let edges = [0, 1, 12, 30, 31, 32, 33, 1 << 13, (1 << 13) + 1, FARTHEST + 1, 1 << 31, u32::MAX];
+        for (distance, slope) in edges.into_iter().flat_map(|one| edges.map(|other| (one, other))) {
+            let within = detuning(distance.min(FARTHEST).cast_signed(), slope.min(1 << 13));
+            // 2³¹ and more are negative.
+            let expected = if distance > i32::MAX.cast_unsigned() {
+                -detuning(
+                    distance.cast_signed().unsigned_abs().min(FARTHEST).cast_signed(),
+                    slope.min(1 << 13),
+                )
+            } else {
+                within
+            };
+            assert_eq!(detuning(distance.cast_signed(), slope), expected, "{distance} {slope}");
+            for frequency in [f32::MIN_POSITIVE, 1.0, f32::MAX] {
+                let units = f64::from(frequency).log2() + f64::from(distance.cast_signed());
+                let found = fixed(frequency, distance.cast_signed());
+                assert!(
+                    if units < 0.0 { found == Some(0) } else { found.is_some() == (units < 30.0) },
+                    "{distance}"
+                );
+            }
+            for bits in [0, 1, 2, 15, 16, u32::MAX] {
+                let spacing = Spacing { shift: slope, bits };
+                let [shift, bits] = [slope.min(30), bits.min(15)];
+                let (octave, part) =
+                    (u128::from(distance >> bits) + u128::from(shift), distance % (1 << bits));
+                let start = 1_u128 << octave.min(64);
+                let exact = start + (start >> bits) * u128::from(part) - (1 << shift);
+                let expected = if octave < 32 { exact } else { u128::from(u32::MAX) };
+                assert_eq!(u128::from(row_distance(distance, spacing)), expected, "{distance} {spacing:?}");
+                let (index, place) = row(distance, spacing);
+                let far = row(distance.min(u32::MAX >> 1), Spacing { shift, bits });
+                assert!((index, place) == far && place < 1024, "{distance} {spacing:?}");
+            }
+        }
     }
 }

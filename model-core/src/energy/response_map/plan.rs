@@ -2,8 +2,8 @@
 //! one subtraction and one comparison find out whether a number is within them, and the constants of both coordinates.
 
 use super::coordinate::{
-    FARTHEST, FoldedSpacing, LEVELS_PER_OCTAVE, RAISED, bits_of_raised, detuning, fixed, fixed_of_bits,
-    level, level_of_bits,
+    FARTHEST, FoldedSpacing, LEVELS_PER_OCTAVE, RAISED, bits_of_raised, detuning_within, fixed,
+    fixed_of_bits, level, level_of_bits,
 };
 use super::image::{COLUMN_BITS, COLUMN_WORDS, COLUMNS, Head, NEAR, SLICE_BOUNDS};
 use super::words::Word;
@@ -122,7 +122,7 @@ impl Plan {
                 match distance {
                     _ if distance > nearest => i32::MAX,
                     _ if distance < -nearest => i32::MIN,
-                    _ => detuning(distance, head.slope) - head.first,
+                    _ => detuning_within(distance, head.slope) - head.first,
                 }
             }
         };
@@ -183,7 +183,7 @@ impl Plan {
         }
         let units = fixed_of_bits(frequency, self.right.wrapping_sub(frequency >> 23));
         let distance = units.cast_signed().wrapping_sub(self.resonance);
-        let from_middle = detuning(distance, self.slope).cast_unsigned();
+        let from_middle = detuning_within(distance, self.slope).cast_unsigned();
         let place = Place(from_middle.wrapping_mul(self.factor).wrapping_add(self.middle));
         Some((level_of_bits(amplitude), place))
     }
