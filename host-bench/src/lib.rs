@@ -25,5 +25,5 @@ mod work_precision;
 
 pub use harvester_engine::{embedded, steady_state};
 pub use harvester_reference as reference;
-use harvester_scene::base_motion;
+use harvester_scene::{base_motion, input};
 pub use harvester_scene::{method, outcome, scene_file};

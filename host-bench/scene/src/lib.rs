@@ -1,6 +1,7 @@
 //! Scenes, the options of a run and its outcome: what the embedded core, the reference and the peers share on the host.
 
 pub mod base_motion;
+pub mod input;
 pub mod keys;
 pub mod method;
 pub mod outcome;

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
+use crate::input::{self, MOST_OF_DATA, repeated};
 use crate::method::Failure;
 use crate::scene_file::{Delimiter, GRAVITY, Model, Numbers, Scene};
 
@@ -99,8 +100,8 @@ struct Table<'a> {
 impl Table<'_> {
     fn read(file: &Path) -> Result<Table<'_>, Failure> {
         let refuse = |text: String| Failure::Input(format!("{}{text}", file.display()));
-        let bytes = std::fs::read(file).map_err(|error| refuse(format!(": cannot be read: {error}")))?;
-        let text = String::from_utf8(bytes).map_err(|_| refuse(": is not UTF-8 text".to_owned()))?;
+        let text = input::text(file, MOST_OF_DATA / 4)
+            .map_err(|error| refuse(format!(": cannot be read: {error}")))?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let delimiter = Delimiter::of(text);
         let mut reader = csv::ReaderBuilder::new()
@@ -170,10 +171,10 @@ impl Table<'_> {
 
     /// Refuses a name that is given twice or that is not one of `known`, or the standard deviation of one of `measured`.
     fn check_names(&self, kind: &str, known: &[&str], measured: &[&str]) -> Result<(), Failure> {
-        for (index, name) in self.heading.iter().enumerate() {
-            if self.heading[..index].contains(name) {
-                return self.refuse(&format!("column {name}: must be there once"));
-            }
+        if let Some(name) = repeated(self.heading.iter().map(String::as_str)) {
+            return self.refuse(&format!("column {name}: must be there once"));
+        }
+        for name in &self.heading {
             let base = name.strip_suffix(STD).filter(|base| measured.contains(base));
             if let Some(base) = base {
                 if self.index(base).is_none() {

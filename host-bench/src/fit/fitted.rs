@@ -4,6 +4,7 @@ use std::path::Path;
 
 use toml_edit::{DocumentMut, Item, Table, Value};
 
+use crate::input::{self, MOST_OF_SCENE};
 use crate::method::Failure;
 use crate::scene_file::Override;
 
@@ -25,7 +26,8 @@ pub(crate) fn fitted_scene(
     moved: bool,
 ) -> Result<String, Failure> {
     let refuse = |reason: String| Failure::Input(format!("{}: {reason}", file.display()));
-    let text = std::fs::read_to_string(file).map_err(|error| refuse(format!("cannot be read: {error}")))?;
+    let text =
+        input::text(file, MOST_OF_SCENE).map_err(|error| refuse(format!("cannot be read: {error}")))?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let mut document: DocumentMut = text.parse().map_err(|error| refuse(format!("is not TOML: {error}")))?;
     for change in overrides {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::input::{MOST_OF_DATA, read, repeated};
 use crate::method::Failure;
 use crate::outcome::{EnergyFlow, Outcome};
 use crate::scene_file::{Load, Scene};
@@ -66,12 +67,15 @@ impl Series {
     /// A file as `run --trace` writes it.
     pub(crate) fn read(file: &Path) -> Result<Self, Failure> {
         let refuse = |reason: String| Failure::Input(format!("{}: {reason}", file.display()));
-        let mut reader =
-            csv::Reader::from_path(file).map_err(|error| refuse(format!("cannot be read: {error}")))?;
+        let bytes = read(file, MOST_OF_DATA).map_err(|error| refuse(format!("cannot be read: {error}")))?;
+        let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let heading = reader.headers().map_err(|error| refuse(format!("has no heading: {error}")))?.clone();
         let columns: Vec<String> = heading.iter().map(|name| name.trim().to_owned()).collect();
         if columns.first().is_none_or(|name| name != "time_s") {
             return Err(refuse("must be a trace of run --trace, whose first column is time_s".to_owned()));
+        }
+        if let Some(name) = repeated(columns.iter().map(String::as_str)) {
+            return Err(refuse(format!("column {name:?}: must be there once")));
         }
         let mut rows: Vec<Vec<f64>> = Vec::new();
         for (index, record) in reader.records().enumerate() {

@@ -48,6 +48,8 @@ fn the_rate_follows_from_the_times_however_they_are_written() {
         (by_comma.clone(), ""),
         (by_comma, "column = \"x\"\ntime_column = \"t\""),
         (table("Time (ms),x\n", |time, number| format!("{},{number}", 1e3 * time)), "column = 2"),
+        (table("time (min),x\n", |time, number| format!("{},{number}", time / 60.0)), "column = 2"),
+        (table("Time [h],x\n", |time, number| format!("{},{number}", time / 3600.0)), "column = 2"),
         (table("", |time, number| format!("{time},{number}")), ""),
         (table("", |time, number| format!("{},{number}", time + 7.0)), "column = 2"),
         (table("x,y,elapsed_s\n", |time, number| format!("{number},5,{time}")), "column = \"x\""),
@@ -149,6 +151,10 @@ fn columns_that_cannot_be_told_apart_are_refused() {
     let several = table("time_s,x,y\n", |time, number| format!("{time},{number},0"));
     refused_by(&folder, &several, "", &["excitation.column: is missing", "\"time_s\", \"x\", \"y\""]);
     refused_by(&folder, &several, "colum = 2", &["scene.toml:", "colum = 2", "probably column misspelt"]);
+    let twice = table("time_s,x,x\n", |time, number| format!("{time},{number},0"));
+    refused_by(&folder, &twice, "column = 2", &["line 1", "column \"x\": must be there once"]);
+    let days = table("time (d),x\n", |time, number| format!("{time},{number}"));
+    refused_by(&folder, &days, "column = 2", &["line 1", "\"time (d)\": its unit must be h, min, s"]);
     let unnamed = table("a,b\n", |time, number| format!("{number},{time}"));
     refused_by(&folder, &unnamed, "rate_hz = 400", &["excitation.column: is missing", "\"a\", \"b\""]);
     let noise = table("", |time, number| format!("{number},{}", number * time));

@@ -6,14 +6,14 @@ use crate::common::harvesters::{bump, contact, sine_samples, slide};
 use crate::common::{Random, finished};
 use model_core::energy::estimator::{Interpolation, Sample, SampleFormat, Settings};
 use model_core::energy::{
-    Action, Budget, BudgetParameters, BudgetState, Capacitor, Estimator, IncomeParameters,
-    ListeningParameters, ResponseMap, StorageParameters,
+    Action, Budget, BudgetParameters, BudgetState, Capacitor, Estimator, IncomeParameters, ResponseMap,
+    StorageParameters,
 };
 use model_core::excitation::LineBank;
 use model_core::integrate::{Adaptive, ExponentialRadau, TrBdf2};
 use model_core::node::{
-    Converter, Gap, KnowingCost, Node, NodeParameters, NodeState, Progress, Regular, Sensor, Spread, Task,
-    Tier, Tolerances, VoltageNode, VoltageParameters,
+    Bursts, Converter, Gap, MapNode, MapParameters, MapState, Progress, Regular, Sensor, Task, Tier,
+    Tolerances, VoltageNode, VoltageParameters,
 };
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::AnyContact;
@@ -210,60 +210,43 @@ fn an_estimator_of_arbitrary_bytes_is_refused_or_works() {
     arbitrary_estimators::<f32, _>(bump::<f32, 4, 1>(AnyContact::ResidualFlexibility), 1000);
 }
 
-type OneNode = Node<&'static [u8], 20, 32, 24, 2>;
-type OneState = NodeState<32, 24, 2>;
+type OneNode = MapNode<&'static [u8], 20, 32, 2>;
+type OneState = MapState<32, 2>;
 
 fn node() -> OneNode {
     let bytes: &[u8] = include_bytes!("../../../tests/tests/all/node_hours/node.bin");
     let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
-    let parameters = NodeParameters {
-        budget: BudgetParameters {
+    let parameters = MapParameters {
+        voltage: VoltageParameters {
             storage: storage(),
-            income: IncomeParameters { time_constant: 14_400.0, day_weight: 0.5 },
+            converter: Converter { bits: 12, full_scale: 5.0, noise: 0.6e-3 },
             standing_power: 0.3e-6,
-        },
-        converter: Converter { bits: 12, full_scale: 5.0, noise: 0.6e-3 },
-        listening: ListeningParameters {
-            share: 0.01,
-            error: 0.02,
-            horizon: 3600.0,
-            shortest: 300,
-            doublings: 4,
+            reading: 1e-6,
+            intervals: [60, 300],
+            tolerances: Tolerances { standing: 0.2, action: 0.02, ..Tolerances::EXACT },
+            largest_power: 100e-6,
+            reserve: 1e-4,
+            actions: [Regular { energy: 50e-6, every: 60 }, Regular { energy: 100e-6, every: 300 }],
         },
         sensor: Sensor { rate: 100.0, start_up: 4, blocks: 1, clipped: 32_000 },
-        cost: KnowingCost {
-            listen: 20e-6,
-            reading: 1e-6,
-            reading_share: 0.01,
-            shortest_reading: 60,
-            reading_doublings: 4,
-        },
-        spread: Spread {
-            gain: 1.0,
-            gain_drift: 0.1,
-            standing: 0.2,
-            action: 0.02,
-            income: 0.5,
-            gain_by_place: 0.5,
-            highest_voltage: 0.03,
-            power: 100e-6,
-        },
-        reserve: 1e-4,
-        actions: [Regular { energy: 50e-6, every: 60 }, Regular { energy: 100e-6, every: 300 }],
+        bursts: Bursts { energy: 20e-6, worth: 1.0, shortest: 60, check: 3600 },
+        gain: 1.0,
+        gain_drift: 0.1,
     };
     let map = ResponseMap::new(bytes, fingerprint).expect("a map");
     let bank = LineBank::new(100.0, 20.13, 0.1, 9.806_65 / 1024.0).expect("in bounds");
-    Node::new(map, bank, parameters).expect("in bounds")
+    MapNode::new(map, bank, parameters).expect("in bounds")
 }
 
-/// Wakes a node some times in a vibration of 0.2 m/s², whose storage is read as `code`; `rest` samples of each listen are
+/// Wakes a node some times in a vibration of 0.2 m/s², whose storage is read as `code`; `rest` samples of each burst are
 /// not taken.
 fn wake_some_times(node: &OneNode, state: &mut OneState, times: u32, code: u32, rest: usize) {
     let shaking = |n: usize| (1024.0 + 21.0 * (1.2378 * n as f64).sin()).round() as i16;
     let samples: Vec<i16> = (0..644).map(shaking).collect();
-    let (mut now, mut wake) = (state.second(), node.wake(state, state.second(), Some(code)));
+    let mut now = OneNode::second(state);
+    let mut wake = node.wake(state, now, Some(code));
     for _ in 0..times {
-        if let Task::Listen { .. } = wake.task {
+        if let Task::Burst { .. } = wake.task {
             let taken = &samples[..samples.len() - rest];
             if let Progress::More(_) = node.samples(state, taken) {
                 return;
@@ -278,22 +261,21 @@ fn wake_some_times(node: &OneNode, state: &mut OneState, times: u32, code: u32, 
 fn a_node_of_arbitrary_bytes_is_refused_or_works() {
     let node = node();
     let mut idle = node.start(30_000);
-    wake_some_times(&node, &mut idle, 200, 2458, 0);
-    assert!(idle.instruments()[1] > 1);
-    // In the middle of a listen, with a block that has begun.
-    let mut listening = node.start(30_000);
-    wake_some_times(&node, &mut listening, 1, 2458, 400);
-    for state in [idle, listening] {
+    wake_some_times(&node, &mut idle, 400, 2458, 0);
+    assert!(idle.bursts() > 1);
+    // In the middle of a burst, with a block that has begun.
+    let mut sampling = node.start(30_000);
+    sampling.ask_for_burst();
+    wake_some_times(&node, &mut sampling, 1, 2458, 400);
+    for state in [idle, sampling] {
         judge(&node, &state, count(3000), |mut state| {
-            let before = state.second();
+            let before = OneNode::second(&state);
             wake_some_times(&node, &mut state, 40, 2500, 0);
             node.wake_after(&mut state, Gap::OffUntil(before.saturating_add(7200)), Some(2000));
             wake_some_times(&node, &mut state, 40, 2100, 0);
             node.wake_after(&mut state, Gap::Unknown, Some(2300));
             wake_some_times(&node, &mut state, 40, 2310, 0);
-            assert!(state.second() >= before);
-            let budget = state.budget();
-            assert!(budget.certain_energy() <= budget.energy() && budget.energy() <= 3e-3);
+            assert!(OneNode::second(&state) >= before);
         });
     }
 }

@@ -9,6 +9,7 @@ use toml::de::{DeTable, DeValue};
 use super::KEYS;
 use super::key::{Kind, Table, Value};
 use super::overrides::{Override, alternatives};
+use crate::input::{MOST_OF_SCENE, read};
 
 /// Longest value that a message repeats in full.
 const SHOWN: usize = 60;
@@ -149,7 +150,8 @@ impl Document {
     /// Reads the file and puts in the overrides.
     pub(super) fn read(file: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
         let fault = |line, reason: String| SceneError::of_file(file, line, reason);
-        let bytes = std::fs::read(file).map_err(|error| fault(None, format!("cannot be read: {error}")))?;
+        let bytes =
+            read(file, MOST_OF_SCENE).map_err(|error| fault(None, format!("cannot be read: {error}")))?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = error.utf8_error().valid_up_to();
             let line = line_of(&String::from_utf8_lossy(&error.as_bytes()[..valid]), valid);
@@ -177,7 +179,8 @@ impl Document {
                 _ => fault(line, reason),
             }
         })?;
-        let origin = |start: usize| Origin::Line(line_of(text, start));
+        let breaks: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
+        let origin = |start: usize| Origin::Line(breaks.partition_point(|at| *at < start) + 1);
         let content = Content::Table(convert_table(table.get_ref(), &origin));
         Ok(Self { file: file.to_owned(), content })
     }

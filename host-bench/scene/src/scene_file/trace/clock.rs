@@ -9,7 +9,7 @@ const UNEVEN: f64 = 0.25;
 /// Names of a column of times.
 const TIME_WORDS: [&str; 7] = ["t", "time", "timestamp", "zeit", "temps", "tempo", "tiempo"];
 /// Units of time and their lengths in s.
-const UNITS: [(&str, f64); 9] = [
+const UNITS: [(&str, f64); 15] = [
     ("s", 1.0),
     ("sec", 1.0),
     ("second", 1.0),
@@ -19,11 +19,17 @@ const UNITS: [(&str, f64); 9] = [
     ("µs", 1e-6),
     ("μs", 1e-6),
     ("ns", 1e-9),
+    ("min", 60.0),
+    ("minute", 60.0),
+    ("minutes", 60.0),
+    ("h", 3600.0),
+    ("hour", 3600.0),
+    ("hours", 3600.0),
 ];
 
-/// The unit in s of the times in a column with this heading, 1 s where it names none; `None` if the heading names no
-/// time.
-pub(super) fn unit_of(heading: &str) -> Option<f64> {
+/// The unit in s of the times in a column with this heading, 1 s where it names none, not-a-number where its unit is not known;
+/// `None` if neither the heading nor a key, which `is_told`, says that these are times.
+pub(super) fn unit_of(heading: &str, is_told: bool) -> Option<f64> {
     let lower = heading.to_lowercase();
     let words: Vec<&str> =
         lower.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
@@ -31,9 +37,12 @@ pub(super) fn unit_of(heading: &str) -> Option<f64> {
     let unit = UNITS.iter().find(|(name, _)| name == last).map(|(_, length)| *length);
     // Metres per second, or radians per second, are no time.
     let is_rate = words.contains(&"per") || words.contains(&"m") || lower.contains('/');
+    let is_time = is_told || TIME_WORDS.contains(first);
+    let has_none = TIME_WORDS.contains(last) || words.len() == 1;
     match unit {
-        Some(length) if TIME_WORDS.contains(first) || !is_rate => Some(length),
-        _ => TIME_WORDS.contains(first).then_some(1.0),
+        // The last word of a least value is `min` too.
+        Some(length) if is_time || !is_rate && length <= 1.0 => Some(length),
+        _ => is_time.then_some(if has_none { 1.0 } else { f64::NAN }),
     }
 }
 
@@ -129,6 +138,9 @@ mod tests {
             ("Timestamp", Some(1.0)),
             ("Zeit in s", Some(1.0)),
             ("elapsed_ms", Some(1e-3)),
+            ("time (min)", Some(60.0)),
+            ("Time [h]", Some(3600.0)),
+            ("acceleration_min", None),
             ("seconds", Some(1.0)),
             ("acceleration_m_per_s2", None),
             ("velocity (m/s)", None),
@@ -138,7 +150,13 @@ mod tests {
             ("temperature", None),
             ("", None),
         ] {
-            assert_eq!(unit_of(heading), expected, "{heading:?}");
+            assert_eq!(unit_of(heading, false), expected, "{heading:?}");
+        }
+        for (heading, expected) in [("x", 1.0), ("elapsed time", 1.0), ("elapsed [min]", 60.0)] {
+            assert_eq!(unit_of(heading, true), Some(expected), "{heading:?}");
+        }
+        for (heading, is_told) in [("time (d)", false), ("t_fortnights", false), ("elapsed [d]", true)] {
+            assert!(unit_of(heading, is_told).is_some_and(f64::is_nan), "{heading:?}");
         }
     }
 }

@@ -10,11 +10,12 @@ use self::layout::{Clock, Layout};
 use super::clock::Times;
 use super::number::{Delimiter, Numbers};
 use super::{Asked, TraceFault, enough, scaled};
+use crate::input::{self, MOST_OF_DATA};
 use crate::scene_file::bounds::Bound;
 
 /// The samples in m/s² and their rate in Hz, within `bound`: that of the times where the file has them.
 pub(super) fn samples(path: &Path, asked: &Asked, bound: Bound) -> Result<(Vec<f64>, f64), TraceFault> {
-    let text = std::fs::read_to_string(path).map_err(|error| TraceFault::new("path", error.to_string()))?;
+    let text = input::text(path, MOST_OF_DATA).map_err(|error| TraceFault::new("path", error.to_string()))?;
     // The mark that begins some files.
     let text = text.trim_start_matches('\u{feff}');
     let delimiter = Delimiter::of(text);

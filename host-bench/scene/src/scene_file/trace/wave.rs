@@ -5,6 +5,7 @@ use std::path::Path;
 use hound::{SampleFormat, WavReader};
 
 use super::{Column, TraceFault, enough, scaled};
+use crate::input::{MOST_OF_DATA, read};
 use crate::scene_file::bounds::Bound;
 
 /// The samples of one channel, the only one if none is named, in m/s² and their rate in Hz, within `bound`, which must be `told` if that is given.
@@ -17,7 +18,8 @@ pub(super) fn samples(
     bound: Bound,
 ) -> Result<(Vec<f64>, f64), TraceFault> {
     let fault = |error: hound::Error| TraceFault::new("path", error.to_string().replace(['\n', '\r'], " "));
-    let mut reader = WavReader::open(path).map_err(fault)?;
+    let bytes = read(path, MOST_OF_DATA).map_err(|error| TraceFault::new("path", error.to_string()))?;
+    let mut reader = WavReader::new(bytes.as_slice()).map_err(fault)?;
     let spec = reader.spec();
     let channels = usize::from(spec.channels);
     let channel = match channel {

@@ -4,6 +4,7 @@ use csv::StringRecord;
 
 use super::super::clock::unit_of;
 use super::super::{Asked, AskedClock, Column, TraceFault};
+use crate::input::repeated;
 
 /// The heading of a column of samples that is found without being named.
 const ACCELERATION: &str = "acceleration_m_per_s2";
@@ -57,7 +58,16 @@ impl Layout {
                 Some(Column::Number(number)) => first.get(number - 1).is_some_and(is_text),
                 _ => first.iter().any(|cell| !cell.is_empty() && is_text(cell)),
             };
+        let named = first.iter().filter(|cell| has_heading && !cell.is_empty());
+        if let Some(name) = repeated(named) {
+            return Err(TraceFault::new("path", format!("line {line}: column {name:?}: must be there once")));
+        }
         let clock = clock(first, line, asked, has_heading)?;
+        if let Some(clock) = clock.filter(|clock| clock.unit_s.is_nan()) {
+            let heading = first.get(clock.column).unwrap_or_default();
+            let text = format!("line {line}: column {heading:?}: its unit must be h, min, s, ms, us or ns");
+            return Err(clock.with_way_out(TraceFault::new(clock.key, text)));
+        }
         let sample = match &asked.column {
             Some(column) => place(column, "column", first, line)?,
             None => only_other(first, clock, has_heading)?,
@@ -121,19 +131,22 @@ fn clock(
     asked: &Asked,
     has_heading: bool,
 ) -> Result<Option<Clock>, TraceFault> {
-    let unit_of = |column: usize| first.get(column).filter(|_| has_heading).and_then(unit_of);
+    let unit_of = |column: usize, is_told: bool| {
+        first.get(column).filter(|_| has_heading).and_then(|heading| unit_of(heading, is_told))
+    };
     match &asked.clock {
         AskedClock::Ignored => Ok(None),
         AskedClock::Column(told) => {
             let column = place(told, "time_column", first, line)?;
-            let unit_s = unit_of(column).unwrap_or(1.0);
+            let unit_s = unit_of(column, true).unwrap_or(1.0);
             Ok(Some(Clock { column, unit_s, is_named: true, is_told: true, key: "time_column" }))
         }
         AskedClock::Unset if has_heading => {
             let preferred = first.iter().position(|cell| cell == TIME);
-            let column = preferred.or_else(|| (0..first.len()).find(|column| unit_of(*column).is_some()));
+            let column =
+                preferred.or_else(|| (0..first.len()).find(|column| unit_of(*column, false).is_some()));
             Ok(column.map(|column| {
-                let unit_s = unit_of(column).unwrap_or(1.0);
+                let unit_s = unit_of(column, false).unwrap_or(1.0);
                 Clock { column, unit_s, is_named: true, is_told: false, key: "path" }
             }))
         }
