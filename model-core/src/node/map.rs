@@ -75,6 +75,10 @@ pub struct MapState<const P: usize, const ACTIONS: usize> {
     of_gain: f32,
     contradictions: u32,
     is_doubtful: bool,
+    /// Variance of the standing power in W².
+    of_draw: f32,
+    /// Whether the last burst found no vibration.
+    is_rest: bool,
     /// What the storage told in the last two intervals that were used in turn, the newest first, and the seconds since.
     told: [Option<Told>; 2],
     untold: u32,
@@ -118,10 +122,10 @@ snapshot_fields!(impl [const P: usize] Burst<P> { bank, blocks, start_up, missin
 });
 
 snapshot_fields!(impl [const P: usize, const ACTIONS: usize] MapState<P, ACTIONS> {
-    voltage, burst, held, interval, hour, gain, of_gain, contradictions, is_doubtful, told, untold, is_between, motion, since, bursts, misses, is_asked,
+    voltage, burst, held, interval, hour, gain, of_gain, contradictions, is_doubtful, of_draw, is_rest, told, untold, is_between, motion, since, bursts, misses, is_asked,
     last_hour,
 } if |state| {
-    state.gain >= 0.0 && state.of_gain >= 0.0
+    state.gain >= 0.0 && state.of_gain >= 0.0 && state.of_draw >= 0.0
 });
 
 impl<const P: usize, const ACTIONS: usize> MapState<P, ACTIONS> {
@@ -236,6 +240,10 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
     fn pass(&self, state: &mut MapState<P, ACTIONS>, seconds: u32) {
         state.held.pass(seconds, [&mut state.interval, &mut state.hour]);
         state.since = state.since.saturating_add(seconds);
+        // In ten days it may change by its deviation.
+        let [_, most_of_draw] = self.voltage.standing();
+        let of_draw = state.of_draw + most_of_draw * (1.0 / 864_000.0) * real(seconds);
+        state.of_draw = Scalar::min(of_draw, most_of_draw);
         let drift = self.parameters.gain_drift;
         let most = Scalar::max(self.parameters.gain, 1.0);
         let of_gain = state.of_gain + drift * drift * (1.0 / 3600.0) * real(seconds);
@@ -336,7 +344,23 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
             lasting: last.lasting,
         };
         let Yield { value, noise, systematic } = state.held.yielded;
-        self.compare(state, value, [noise * noise / (value * value), systematic * systematic], told);
+        if state.is_rest {
+            self.learn_draw(state, &told, change);
+        } else {
+            self.compare(state, value, [noise * noise / (value * value), systematic * systematic], told);
+        }
+    }
+
+    /// Learns the standing power while the harvester rests: what then seems to be an income below 0 is drawn.
+    fn learn_draw(&self, state: &mut MapState<P, ACTIONS>, told: &Told, change: f32) {
+        let stored = self.voltage.stored_of(1.0);
+        let noise = state.held.yielded.noise;
+        let variance = Scalar::max(told.variance - told.lasting, change * change) + noise * noise;
+        let part = state.of_draw / (state.of_draw + stored * stored * variance);
+        if part > 0.0 {
+            self.voltage.draw_more(&mut state.voltage, -part * stored * told.power);
+            state.of_draw *= 1.0 - part;
+        }
     }
 
     /// Compares the interval that the storage has told with the bursts at its begin and its end.
@@ -433,6 +457,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
                 return other;
             }
         };
+        state.is_rest = matches!(modelled.finding, Finding::Rest);
         if !matches!(modelled.finding, Finding::TwoMotions) {
             state.motion = None;
         }
@@ -504,6 +529,8 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> Tier for Ma
             of_gain: self.parameters.gain * self.parameters.gain,
             contradictions: 0,
             is_doubtful: false,
+            of_draw: self.voltage.standing()[1],
+            is_rest: false,
             told: [None; 2],
             untold: 0,
             is_between: false,

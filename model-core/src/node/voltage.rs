@@ -124,6 +124,8 @@ pub struct VoltageState<const ACTIONS: usize> {
     leaked: f32,
     /// The part of it that does not tell whether the storage was full.
     drained: f32,
+    /// Standing power above the stated one in W.
+    excess: f32,
     /// Income in J of the last interval, its variance, and its seconds.
     income: f32,
     of_income: f32,
@@ -142,7 +144,7 @@ pub struct VoltageState<const ACTIONS: usize> {
 }
 
 snapshot_fields!(impl [const ACTIONS: usize] VoltageState<ACTIONS> {
-    second, read, variance, is_located, doubted, reading, since, attempted, out, leaked, drained, income, of_income, over, asked, repeated,
+    second, read, variance, is_located, doubted, reading, since, attempted, out, leaked, drained, excess, income, of_income, over, asked, repeated,
     readings, hour, closed, last_hour, rested,
 } if |state| {
     state.variance >= 0.0 && state.of_income >= 0.0
@@ -242,6 +244,17 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
         [state.income * per_time, state.of_income * per_time * per_time, lasting * per_time * per_time]
     }
 
+    /// Standing power in W at the storage, as stated, and the variance of its error.
+    pub(super) fn standing(&self) -> [f32; 2] {
+        let deviation = self.parameters.tolerances.standing * self.standing;
+        [self.standing, deviation * deviation]
+    }
+
+    /// Takes in that the standing power is larger by so much, in W at the storage.
+    pub(super) fn draw_more(&self, state: &mut VoltageState<ACTIONS>, power: f32) {
+        state.excess = Scalar::max(state.excess + power, -self.standing);
+    }
+
     /// Seconds between the last two readings.
     pub(super) fn last_interval(&self, state: &VoltageState<ACTIONS>) -> u32 {
         state.over
@@ -328,7 +341,7 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
             return seconds;
         }
         let time = real(seconds);
-        let standing = if is_on { self.standing * time } else { 0.0 };
+        let standing = if is_on { (self.standing + state.excess) * time } else { 0.0 };
         let ratio = Scalar::min(self.leakage_rate * time, 1.0);
         let energy = state.energy();
         state.leaked += ratio * (energy - 0.5 * (standing + ratio * energy));
@@ -591,6 +604,7 @@ impl<const ACTIONS: usize> Tier for VoltageNode<ACTIONS> {
             out: 0.0,
             leaked: 0.0,
             drained: 0.0,
+            excess: 0.0,
             income: 0.0,
             of_income: 0.0,
             over: 0,
