@@ -22,6 +22,7 @@ use self::outcome::{ActionOutcome, KnowingOutcome, NodeDay, Sample};
 use self::plant::{ChargedStorage, LoopedStorage, Plant, StorageAccount, energy_at};
 use crate::embedded::Midnight;
 use crate::method::{Failure, Options, Precision};
+use crate::name::Name;
 use crate::scene_file::{Action, HOURS, Load, Node, Scene};
 
 const DAY_S: u32 = 86_400;
@@ -168,7 +169,7 @@ impl<'a> Record<'a> {
         let mut actions = actions.map(|((action, rate), by_hour)| {
             let runs: u32 = by_hour.iter().sum();
             ActionOutcome {
-                name: action.name.clone(),
+                name: Name::new(action.name.as_str()),
                 runs,
                 wished: f64::from(DAY_S) / action.every_s,
                 predicted: rate * f64::from(DAY_S),

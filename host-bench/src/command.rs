@@ -83,26 +83,26 @@ pub(crate) fn check_overrides(overrides: &[Override], unused: &[Unused]) -> Resu
 
 /// Prints a failure as one line on standard error, and gives its exit code.
 pub fn report(failure: &Failure) -> ExitCode {
-    let line: String =
-        failure.to_string().chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
-    tell(&format!("error: {line}"));
+    tell(&format!("error: {failure}"));
     ExitCode::from(match failure {
         Failure::Input(_) => 2,
         Failure::Step(_) | Failure::StepLimitExceeded(_) => 3,
     })
 }
 
-/// Prints a line on standard error.
+/// Prints a line on standard error; control characters are spaces.
 pub(crate) fn tell(line: &str) {
+    let line = line.replace(char::is_control, " ");
     // Without a standard error there is nobody to tell.
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// Prints the result on standard output.
+/// Prints the result on standard output, without control characters other than line breaks and tabs.
 ///
 /// # Errors
 /// If it cannot be written. A reader that closed its end is no error.
-pub(crate) fn print(text: &str) -> Result<(), Failure> {
+pub fn print(text: &str) -> Result<(), Failure> {
+    let text = text.replace(|letter: char| letter.is_control() && !['\n', '\t'].contains(&letter), "");
     let mut output = std::io::stdout().lock();
     match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {

@@ -25,5 +25,5 @@ mod work_precision;
 
 pub use harvester_engine::{embedded, steady_state};
 pub use harvester_reference as reference;
-use harvester_scene::{base_motion, input};
+use harvester_scene::{base_motion, input, name};
 pub use harvester_scene::{method, outcome, scene_file};

@@ -1,13 +1,12 @@
 //! The command line of the harvester models.
 
-use std::io::Write;
 use std::process::ExitCode;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use host_bench::command::{
     attractors, be_quiet, budget, closed_form, figures, findings, fit, keys, map, needs, on_target, optimise,
-    overview, plot, report, resonance, run, stability, stop, sweep, work_precision,
+    overview, plot, print, report, resonance, run, stability, stop, sweep, work_precision,
 };
 use host_bench::method::Failure;
 
@@ -138,14 +137,13 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints the completions of a shell. A reader that closed its end is no error.
+/// Prints the completions of a shell.
 fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), env!("CARGO_BIN_NAME"), &mut script);
     // The script of bash has the hyphen of the name in two ways, so that no command after it would be known.
     let script = String::from_utf8_lossy(&script).replace("host__subcmd__bench", "host__bench");
-    let _ = std::io::stdout().write_all(script.as_bytes());
-    Ok(())
+    print(&script)
 }
 
 /// Prints help as clap does, and an error as one line.

@@ -13,6 +13,7 @@ pub(crate) use self::page::page;
 pub(crate) use self::series::{Series, quantity};
 
 use crate::method::Failure;
+use crate::name::Name;
 use crate::report::html::is_page;
 use crate::report::plot::{self, Axis, Curve, Mark, Plot, height};
 use crate::report::setting::prefix;
@@ -159,7 +160,7 @@ pub(crate) fn usual<'a>(scene: &Scene, title: &'a str, series: &Series, every_s:
 
 /// The title of a picture: file, method and parameters.
 pub(crate) fn title(file: &Path, method: &str, setting: &str) -> String {
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let name = Name::of_file(file).line();
     format!("{name}, {method}: {setting}")
 }
 

@@ -13,6 +13,7 @@ mod command_line {
     mod good_runs;
     mod help;
     mod hints;
+    mod hostile_names;
     mod keys;
     mod limits;
     mod needs;

@@ -4,6 +4,7 @@ pub mod base_motion;
 pub mod input;
 pub mod keys;
 pub mod method;
+pub mod name;
 pub mod outcome;
 pub mod progress;
 pub mod rainflow;

@@ -5,6 +5,7 @@ use serde_json::json;
 
 use super::plant::StorageAccount;
 use crate::embedded::WholeDay;
+use crate::name::Name;
 use crate::outcome::{Fields, Format, fields, text};
 use crate::scene_file::{HOURS, Knowing, PartFigure};
 
@@ -49,7 +50,7 @@ pub(crate) struct NodeDay {
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct ActionOutcome {
-    pub(super) name: String,
+    pub(super) name: Name,
     pub(super) runs: u32,
     /// How often it was to be run.
     #[serde(rename = "wished_runs")]
@@ -195,7 +196,7 @@ impl NodeDay {
             let actions = self.actions.iter().map(|action| (&action.name, fields(action)));
             for (name, values) in knowing.chain(actions) {
                 let values = values.into_iter().filter(|(key, _)| key != "name");
-                all.extend(values.map(|(key, value)| (format!("{name}_{key}"), value)));
+                all.extend(values.map(|(key, value)| (format!("{}_{key}", name.line()), value)));
             }
             if !self.figures.is_empty() {
                 all.insert("figures_not_confirmed".to_owned(), json!(self.not_confirmed()));

@@ -100,7 +100,7 @@ fn knowing(day: &NodeDay) -> Option<Plot> {
             [(hour as f64, power), (hour as f64 + 1.0, power)]
         });
         let colour = COLOURS[index % COLOURS.len()];
-        curves.push(Curve::new(knowing.outcome.name.as_str(), colour, Mark::Line(2.0), steps));
+        curves.push(Curve::new(knowing.outcome.name.line(), colour, Mark::Line(2.0), steps));
     }
     let limit = 1e9 * SHARE * day.account.income / f64::from(super::DAY_S);
     let level = [(0.0, limit), (HOURS as f64, limit)];
@@ -121,7 +121,7 @@ fn actions(day: &NodeDay) -> Plot {
             let (hour, runs) = (hour as f64, f64::from(*runs));
             [(hour, runs), (hour + 1.0, runs)]
         });
-        Curve::new(action.name.as_str(), COLOURS[index % COLOURS.len()], Mark::Line(2.0), steps)
+        Curve::new(action.name.line(), COLOURS[index % COLOURS.len()], Mark::Line(2.0), steps)
     });
     Plot {
         title: "Actions".to_owned(),

@@ -12,6 +12,7 @@ use super::{NODE, SceneArguments, check_overrides, json_text, one_more, print, p
 use crate::accuracy::{Statements, run_as_it_is, tell_warnings};
 use crate::attractors::{self, Place, UNSETTLED, branches, ends, failed, settled};
 use crate::method::Failure;
+use crate::name::Name;
 use crate::outcome::{Branch, Fields, Format, Outcome, fields, flattened, rows_csv, shown, table};
 use crate::report::html::is_page;
 use crate::run::run_scene;
@@ -80,7 +81,7 @@ pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
         let power = |start: &[f64; 2]| Some(ends.iter().find(|end| end.start == *start)?.power_w);
         let powers = starts.iter().skip(1).map(power).collect();
         let quantity = Quantity { name: "mean power", unit: "W", values: powers };
-        let title = file.display().to_string();
+        let title = Name::new(file.to_string_lossy()).line();
         let words = Words { title: &title, without: "the run failed", marked: (&[], "") };
         let draw = if is_page(path) { page::page } else { draw };
         let drawn = draw(words, &axes, &[quantity]);

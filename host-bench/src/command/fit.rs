@@ -7,6 +7,7 @@ use super::{NODE, SceneArguments, check_keys, check_overrides, print, progress};
 use crate::accuracy::tell_warnings;
 use crate::fit::{self, Found, Request, free::Asked};
 use crate::method::Failure;
+use crate::name::Name;
 use crate::outcome::Format;
 use crate::report::html::is_page;
 use crate::scene_file::{self, Fit};
@@ -149,7 +150,7 @@ impl FitArguments {
     /// Writes the pictures, and the fitted scene where there is one.
     fn write(&self, outputs: &Outputs, found: &Found) -> Result<(), Failure> {
         let SceneArguments { scene: file, overrides, .. } = &self.scene;
-        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let name = Name::of_file(file).line();
         let is_written = unwritten(found).is_none();
         for path in self.beside().iter().filter(|_| is_written).chain(&self.picture) {
             let drawn = if is_page(path) { fit::page(found, &name) } else { fit::draw(found, &name) };

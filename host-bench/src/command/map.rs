@@ -11,6 +11,7 @@ use super::{NODE, SceneArguments, Unused, check_overrides, one_more, print, prog
 use crate::accuracy::tell_warnings;
 use crate::map::{self, Agreement, Heard, Map, Request, Said, Step};
 use crate::method::Failure;
+use crate::name::Name;
 use crate::outcome::{self, Fields, text};
 use crate::report::html::is_page;
 use crate::scene_file;
@@ -100,7 +101,7 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     };
     let found = map::map(&scene, &request, &arguments.scene.options, &step)?;
     bar.finish_and_clear();
-    let name = arguments.scene.scene.file_name().unwrap_or_default().to_string_lossy();
+    let name = Name::of_file(&arguments.scene.scene).line();
     if let Some([map_file, picture]) = &files {
         if map_file.extension() == Some(OsStr::new("rs")) {
             outputs.write(map_file, &map::module(&found, &name, &command(arguments)))?;
@@ -254,7 +255,7 @@ fn command(arguments: &MapArguments) -> String {
     let MapArguments { scene, amplitude: Range([low, high]), frequency: Range([from, to]), .. } = arguments;
     let mut text = format!(
         "host-bench map {} --amplitude {low}:{high} --frequency {from}:{to}",
-        scene.scene.file_name().unwrap_or_default().to_string_lossy()
+        Name::of_file(&scene.scene).shell()
     );
     if !arguments.voltage.is_empty() {
         let voltages: Vec<String> = arguments.voltage.iter().map(f64::to_string).collect();
@@ -273,14 +274,7 @@ fn command(arguments: &MapArguments) -> String {
         }
     }
     for change in &scene.overrides {
-        let value = change.value().to_string();
-        // A shell takes braces and quotes for its own.
-        let quote = match value.contains(['{', '[', '\'', ' ']) {
-            true if value.contains('"') => "'",
-            true => "\"",
-            false => "",
-        };
-        text += &format!(" --set {quote}{}={value}{quote}", change.key());
+        text += &format!(" --set {}", Name::new(format!("{}={}", change.key(), change.value())).shell());
     }
     text
 }

@@ -11,6 +11,7 @@ use super::files::Outputs;
 use super::map::Range;
 use super::{NODE, check_overrides, json_text, one_more, print, progress, tell};
 use crate::method::{Failure, Options, Precision};
+use crate::name::Name;
 use crate::needs::{
     Change, Control, Corner, Emission, Finding, Needs, Numerics, Part, Setting, Study, Verdict, cheapest,
     corner_name, cycles, impacts,
@@ -147,7 +148,7 @@ fn command(arguments: &NeedsArguments, file: &Path) -> String {
     let sets: Vec<String> = arguments
         .overrides
         .iter()
-        .map(|change| format!(" --set '{}={}'", change.key(), change.value()))
+        .map(|change| format!(" --set {}", Name::new(format!("{}={}", change.key(), change.value())).shell()))
         .collect();
     let NeedsArguments { scene, accuracy, amplitude, frequency, .. } = arguments;
     let range = |name: &str, range: Option<Range>| {
@@ -156,9 +157,9 @@ fn command(arguments: &NeedsArguments, file: &Path) -> String {
     let ranges = range("amplitude", *amplitude) + &range("frequency", *frequency);
     format!(
         "host-bench needs {}{}{ranges} --accuracy {accuracy:e} --emit {}",
-        scene.display(),
+        Name::new(scene.to_string_lossy()).shell(),
         sets.concat(),
-        file.file_name().unwrap_or_default().display()
+        Name::of_file(file).shell()
     )
 }
 

@@ -9,6 +9,7 @@ use super::storage_voltage::StorageVoltage;
 use super::{NODE, SceneArguments, check_keys, json_text, one_more, print, progress, tell};
 use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
+use crate::name::Name;
 use crate::optimise::{Constraint, Found, Range, Request, Runs, draw, most_runs, optimise, page};
 use crate::outcome::{Format, small, text};
 use crate::report::html::is_page;
@@ -138,7 +139,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
     bar.finish_and_clear();
     let found = found?;
     found.warnings().for_each(|warning| tell(&format!("warning: {warning}")));
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let name = Name::of_file(file).line();
     let title = format!("{name}: {}{}", request.quantity, margin(found.outcome.margins.smallest_margin));
     for path in pictures.iter().flatten() {
         let drawn =

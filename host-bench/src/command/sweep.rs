@@ -24,6 +24,7 @@ use super::{NODE, SceneArguments, check_keys, is_quiet, note, print, progress, t
 use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
 use crate::method::{Failure, Options};
+use crate::name::Name;
 use crate::outcome::{self, Fields, Format, STABLE, fields, flattened, number, rows_csv, small};
 use crate::report::setting::{margin, setting};
 use crate::run::{run_scene, stopped_as_text};
@@ -246,7 +247,7 @@ fn write(
 ) -> Result<(), Failure> {
     let [table, drawing, interactive] = FILES.map(|name| folder.join(name));
     let axes = &arguments.axes;
-    let file = arguments.scene.scene.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let file = Name::of_file(&arguments.scene.scene).line();
     let keys: Vec<&str> = axes.iter().filter(|axis| axis.count() > 1).map(|axis| axis.key.as_str()).collect();
     let first = points.first().map_or(&[][..], |point| &point.values);
     let method = points.iter().find_map(|point| point.text("method"));

@@ -14,6 +14,7 @@ use super::uncertainty::Uncertainty;
 use super::unfollowed::Unfollowed;
 use super::weights::{self, Weighting, Weights};
 use super::{Request, relative_residuals};
+use crate::name::Name;
 
 /// Correlation of two keys from which on a warning names them.
 const CORRELATED: f64 = 0.99;
@@ -138,7 +139,7 @@ fn without_orbit(problem: &Problem<'_>, solved: &Solved) -> Option<String> {
     let rows: Vec<(usize, usize)> = solved.evaluation.rows_without_orbit(&problem.data).collect();
     let place = |&(file, row): &(usize, usize)| {
         let data = &problem.data[file];
-        let name = data.file.file_name().unwrap_or_default().to_string_lossy();
+        let name = Name::of_file(&data.file).line();
         let frequency = match &data.rows {
             Rows::Sweep(rows) => rows.get(row).map(|row| format!(" ({} Hz)", row.frequency_hz)),
             Rows::Trace { .. } => None,

@@ -18,6 +18,7 @@ use super::weights::Weighting;
 use crate::accuracy::Statements;
 use crate::command::json_text;
 use crate::method::Failure;
+use crate::name::Name;
 use crate::outcome::{Format, cell, csv_line, flattened, number, optional_number, small, table};
 use crate::seeds::student::quantile;
 
@@ -203,7 +204,7 @@ fn curves(problem: &Problem<'_>, values: &[f64]) -> Vec<Curve> {
         for (index, column) in data.columns.iter().enumerate() {
             let from = problem.index(file, index, 0);
             all.push(Curve {
-                file: data.file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+                file: Name::of_file(&data.file).line(),
                 column: column.name.clone(),
                 x: x.clone(),
                 measured: column.values.clone(),

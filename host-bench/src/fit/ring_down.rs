@@ -4,6 +4,7 @@ use super::data::Data;
 use super::free::{Free, Place};
 use super::model::{Interpolation, displace, origin, record, with_trace};
 use crate::method::{Failure, Options};
+use crate::name::Name;
 use crate::scene_file::{Model, Scene};
 
 /// Displacement of the first mode in √kg·m by which its displacement at the tip is measured.
@@ -41,7 +42,7 @@ pub(super) fn free_starts(
     let count = data.iter().filter(|data| data.is_ring_down()).count();
     for (index, data) in data.iter().enumerate().filter(|(_, data)| data.is_ring_down()) {
         let start = start(scene, data, options)?;
-        let of_file = data.file.file_name().unwrap_or_default().to_string_lossy();
+        let of_file = Name::of_file(&data.file).line();
         let is_gap = matches!(scene.model, Model::ContactSeparation(_));
         let reach = FARTHEST * start.abs();
         free.push(Free {

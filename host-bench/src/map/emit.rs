@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::{Agreement, Map};
+use crate::name::Name;
 
 /// Words in a line of the module.
 const PER_LINE: usize = 14;
@@ -10,6 +11,7 @@ const PER_LINE: usize = 14;
 /// The map as a Rust module with constants for firmware; `command` made it.
 #[must_use]
 pub fn module(map: &Map, scene: &str, command: &str) -> String {
+    let [scene, command] = [scene, command].map(|text| Name::new(text).line());
     let Map { image, axes, agreement, .. } = map;
     let Agreement { places, median, percentile_90, bounds_hold, .. } = agreement;
     let [low, high] = axes.amplitudes;

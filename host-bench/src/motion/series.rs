@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::input::{MOST_OF_DATA, read, repeated};
 use crate::method::Failure;
+use crate::name::Name;
 use crate::outcome::{EnergyFlow, Outcome};
 use crate::scene_file::{Load, Scene};
 
@@ -70,7 +71,7 @@ impl Series {
         let bytes = read(file, MOST_OF_DATA).map_err(|error| refuse(format!("cannot be read: {error}")))?;
         let mut reader = csv::Reader::from_reader(bytes.as_slice());
         let heading = reader.headers().map_err(|error| refuse(format!("has no heading: {error}")))?.clone();
-        let columns: Vec<String> = heading.iter().map(|name| name.trim().to_owned()).collect();
+        let columns: Vec<String> = heading.iter().map(|name| Name::new(name.trim()).line()).collect();
         if columns.first().is_none_or(|name| name != "time_s") {
             return Err(refuse("must be a trace of run --trace, whose first column is time_s".to_owned()));
         }
@@ -92,7 +93,7 @@ impl Series {
         if rows.len() < 2 {
             return Err(refuse(format!("has {} rows, must have at least 2", rows.len())));
         }
-        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = Name::of_file(file).line();
         Ok(Self { name, columns, rows, impacts_s: Vec::new(), flow: None })
     }
 

@@ -12,6 +12,7 @@ use self::component::{
 use super::numerics::{Control, Setting};
 use super::part::Part;
 use crate::method::{Failure, Method, Precision};
+use crate::name::Name;
 use crate::scene_file::{BumpStop, ContactSeparation, Coupling, Model, Scene, Sliding, StickCharge};
 use model_core::clock::Instant;
 
@@ -130,7 +131,7 @@ pub fn start() -> {start_type} {{
     fn head(&self) -> String {
         let names: Vec<String> = self.cut.iter().map(|part| part.name()).collect();
         let left_out = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
-        format!("// Made by `{}`.\n//\n// Left out: {left_out}.\n\n", self.command)
+        format!("// Made by `{}`.\n//\n// Left out: {left_out}.\n\n", Name::new(self.command).line())
     }
 
     /// The imports of the names that `body` has.

@@ -85,8 +85,8 @@ impl Charts {
 
     /// Style and scripts, which stand behind the elements.
     pub(crate) fn scripts(&self) -> String {
-        // A text in the data must not end the script.
-        let data = Value::Array(self.0.clone()).to_string().replace("</", "<\\/");
+        // A text in the data must not end the script, nor begin a comment or a script in it.
+        let data = Value::Array(self.0.clone()).to_string().replace('<', "\\u003c");
         format!(
             "<style>{STYLE}{TIP}</style>\n<script>{LIBRARY}</script>\n<script>const charts = {data};\n{SCRIPT}</script>\n"
         )
@@ -237,12 +237,13 @@ mod tests {
     fn a_title_cannot_end_the_script() {
         let mut charts = Charts::default();
         let plot = Plot {
-            title: "</script>".to_owned(),
+            title: "</script><!--<script>".to_owned(),
             across: Axis::linear("x", [0.0, 1.0], 4),
             up: Axis::linear("y", [0.0, 1.0], 4),
             curves: Vec::new(),
         };
         assert_eq!(charts.place(&plot, Look::ALONE), "<div id=\"chart-0\"></div>\n");
-        assert_eq!(charts.scripts().matches("</script>").count(), 2);
+        let scripts = charts.scripts();
+        assert_eq!([scripts.matches("</script>").count(), scripts.matches("<!--").count()], [2, 0]);
     }
 }

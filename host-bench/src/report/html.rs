@@ -1,5 +1,7 @@
 //! The frame of an HTML page with its style in it: a page is one file.
 
+pub(crate) use crate::name::escaped;
+
 const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;color:#1b1f24;background:#fff;max-width:72rem;\
 margin:2rem auto;padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.2rem;margin-top:2.5rem}\
 body>svg,figure>svg{max-width:100%;height:auto}figure{margin:0}.wide{overflow-x:auto}\
@@ -23,9 +25,4 @@ pub(crate) fn document(title: &str, body: &str) -> String {
 /// Whether the name of a file is that of a page.
 pub(crate) fn is_page(file: &std::path::Path) -> bool {
     file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"))
-}
-
-/// Plain text as HTML.
-pub(crate) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -35,6 +35,8 @@ pub(crate) fn svg(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Re
         let drawn = area.fill(&WHITE).and_then(|()| draw(&area)).and_then(|()| area.present());
         drawn.map_err(|error| error.to_string())?;
     }
+    // XML has no way to write most of them.
+    text.retain(|letter| letter == '\n' || !letter.is_control());
     Ok(text)
 }
 

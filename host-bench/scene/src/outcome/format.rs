@@ -146,10 +146,18 @@ pub fn csv<R: IntoIterator<Item = String>>(heading: &str, rows: impl IntoIterato
     rows.into_iter().fold(format!("{heading}\n"), |text, row| text + &csv_line(row))
 }
 
-/// A line of CSV, line break included. A cell with a comma, a quotation mark or a line break is quoted.
+/// A line of CSV, line break included. A cell with a comma, a quotation mark or a line break is quoted. A text that a
+/// spreadsheet would take for a formula has an apostrophe before it.
 pub fn csv_line(cells: impl IntoIterator<Item = String>) -> String {
+    let is_number = |cell: &str| cell.split(' ').all(|part| part.parse::<f64>().is_ok());
     let quoted = |cell: String| {
-        if cell.contains([',', '"', '\n']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell }
+        let is_formula = cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && !is_number(&cell);
+        let cell = if is_formula { format!("'{cell}") } else { cell };
+        if cell.contains([',', '"', '\n', '\r']) {
+            format!("\"{}\"", cell.replace('"', "\"\""))
+        } else {
+            cell
+        }
     };
     cells.into_iter().map(quoted).collect::<Vec<_>>().join(",") + "\n"
 }
