@@ -122,8 +122,11 @@ where
 
     fn read(from: &mut Reader<'_>) -> Self {
         let is_some = bool::read(from);
+        let bytes = from.left.get(..T::BYTES).unwrap_or(&[]);
         let value = T::read(from);
-        from.require(is_some || value == T::default());
+        // −0 equals 0, and has another byte.
+        let is_default = value == T::default() && bytes.iter().all(|byte| byte & 0x80 == 0);
+        from.require(is_some || is_default);
         is_some.then_some(value)
     }
 }
