@@ -286,7 +286,9 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
     fn tell(&self, state: &MapState<P, ACTIONS>, told: IncomeOfTime) -> IncomeOfTime {
         let [energy, variance, lasting] = self.by_map(state, &state.hour);
         let bound = BOUND * Scalar::sqrt(variance) + lasting;
-        if state.hour.is_known() && bound < told.bound {
+        // Vibration that no burst has met is seen by the voltage.
+        let is_in_doubt = Scalar::abs(energy - told.energy) > bound + told.bound;
+        if state.hour.is_known() && bound < told.bound && !is_in_doubt {
             IncomeOfTime { energy, bound, ..told }
         } else {
             told

@@ -18,7 +18,7 @@ pub struct Instructions {
 #[must_use]
 pub const fn node_instructions(core: Core) -> Instructions {
     match core {
-        Core::M0Plus => Instructions { reading: 4_600.0, sample: 40.0, block: 45_000.0 },
-        Core::M4F | Core::M33 => Instructions { reading: 480.0, sample: 23.0, block: 9_000.0 },
+        Core::M0Plus => Instructions { reading: 4_900.0, sample: 40.0, block: 45_000.0 },
+        Core::M4F | Core::M33 => Instructions { reading: 490.0, sample: 24.0, block: 14_000.0 },
     }
 }
