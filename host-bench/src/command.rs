@@ -33,6 +33,7 @@ use self::watch::note;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::method::{Failure, Options};
+use crate::name::Name;
 use crate::outcome::Format;
 use crate::scene_file::{Override, contains, replaces};
 
@@ -79,6 +80,11 @@ pub(crate) fn check_keys(options: &[(&str, &str)], unused: &[Unused]) -> Result<
 pub(crate) fn check_overrides(overrides: &[Override], unused: &[Unused]) -> Result<(), Failure> {
     let options: Vec<(&str, &str)> = overrides.iter().map(|change| ("--set", change.key())).collect();
     check_keys(&options, unused)
+}
+
+/// An override as a command line has it.
+pub(crate) fn set_option(change: &Override) -> String {
+    format!(" --set {}", Name::new(format!("{}={}", change.key(), change.value())).shell())
 }
 
 /// Prints a failure as one line on standard error, and gives its exit code.

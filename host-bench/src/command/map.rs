@@ -7,7 +7,7 @@ use std::str::FromStr;
 use serde_json::json;
 
 use super::files::Outputs;
-use super::{NODE, SceneArguments, Unused, check_overrides, one_more, print, progress};
+use super::{NODE, SceneArguments, Unused, check_overrides, one_more, print, progress, set_option};
 use crate::accuracy::tell_warnings;
 use crate::map::{self, Agreement, Heard, Map, Request, Said, Step};
 use crate::method::Failure;
@@ -273,9 +273,7 @@ fn command(arguments: &MapArguments) -> String {
             text += &format!(" {option} {value:e}");
         }
     }
-    for change in &scene.overrides {
-        text += &format!(" --set {}", Name::new(format!("{}={}", change.key(), change.value())).shell());
-    }
+    text.extend(scene.overrides.iter().map(set_option));
     text
 }
 

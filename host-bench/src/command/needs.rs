@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::files::Outputs;
 use super::map::Range;
-use super::{NODE, check_overrides, json_text, one_more, print, progress, tell};
+use super::{NODE, check_overrides, json_text, one_more, print, progress, set_option, tell};
 use crate::method::{Failure, Options, Precision};
 use crate::name::Name;
 use crate::needs::{
@@ -145,11 +145,7 @@ fn sine(scene: &Scene) -> Option<Corner> {
 
 /// The command that makes a file.
 fn command(arguments: &NeedsArguments, file: &Path) -> String {
-    let sets: Vec<String> = arguments
-        .overrides
-        .iter()
-        .map(|change| format!(" --set {}", Name::new(format!("{}={}", change.key(), change.value())).shell()))
-        .collect();
+    let sets: String = arguments.overrides.iter().map(set_option).collect();
     let NeedsArguments { scene, accuracy, amplitude, frequency, .. } = arguments;
     let range = |name: &str, range: Option<Range>| {
         range.map_or_else(String::new, |Range([low, high])| format!(" --{name} {low}:{high}"))
@@ -158,7 +154,7 @@ fn command(arguments: &NeedsArguments, file: &Path) -> String {
     format!(
         "host-bench needs {}{}{ranges} --accuracy {accuracy:e} --emit {}",
         Name::new(scene.to_string_lossy()).shell(),
-        sets.concat(),
+        sets,
         Name::of_file(file).shell()
     )
 }

@@ -195,17 +195,6 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     /// Cost: at most two exponentials.
     pub fn update(&self, state: &mut BudgetState<S, SLOTS>, interval: u32, harvested: S, spent: S) {
         self.spend(state, spent);
-        self.update_over(state, interval, &self.storage.relaxation(S::from_u32(interval)), harvested);
-    }
-
-    /// As [`Budget::update`] without actions, with the relaxation of the storage over the interval.
-    pub(crate) fn update_over(
-        &self,
-        state: &mut BudgetState<S, SLOTS>,
-        interval: u32,
-        relaxation: &Relaxation<S>,
-        harvested: S,
-    ) {
         let harvested = state.account.admit(harvested);
         match harvested {
             Some(energy) => self.income.update(&mut state.income, interval, energy),
@@ -213,7 +202,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         }
         let income = self.storage.stored(harvested.unwrap_or(S::ZERO));
         let standing = self.storage.drawn(self.standing_power * S::from_u32(interval));
-        self.move_store(state, relaxation, income, standing);
+        self.move_store(state, &self.storage.relaxation(S::from_u32(interval)), income, standing);
     }
 
     /// Books `spent` J of an action at once, before the next update.

@@ -71,7 +71,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
     }
 
     /// The second condition of [`Budget::can_run_now`].
-    pub(crate) fn leaves_the_day(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>) -> bool {
+    pub(super) fn leaves_the_day(&self, state: &BudgetState<S, SLOTS>, action: &Action<S>) -> bool {
         let (energy, load) = (state.certain_energy(), self.standing_power);
         let used = self.storage.drawn(action.energy());
         // A few roundings per stretch of the energy that the standing load draws.

@@ -155,7 +155,7 @@ impl<S: Scalar> Storage<S> {
     }
 
     /// The relaxation of the storage over an interval in s, at or above 0. At most one exponential.
-    pub(crate) fn relaxation(&self, seconds: S) -> Relaxation<S> {
+    pub(super) fn relaxation(&self, seconds: S) -> Relaxation<S> {
         Relaxation::new(self.leakage_rate * seconds)
     }
 
@@ -165,7 +165,7 @@ impl<S: Scalar> Storage<S> {
     /// The load can discharge the storage to its lock-out, and only leakage goes below. The energy at the end
     /// is exact. For a full storage the leakage is computed as if nothing were shunted before the end, so
     /// that up to `x/2` of the shunted energy may be counted as leakage.
-    pub(crate) fn step(&self, energy: S, relaxation: &Relaxation<S>, income: S, outgo: S) -> StorageStep<S> {
+    pub(super) fn step(&self, energy: S, relaxation: &Relaxation<S>, income: S, outgo: S) -> StorageStep<S> {
         let net = income - outgo;
         let leaked = relaxation.leaked(energy, net);
         let change = net - leaked;
@@ -207,7 +207,7 @@ pub(crate) struct StorageStep<S> {
 /// The closed forms of an interval of ratio `x = λ h`; `x = 0` without leakage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(crate) struct Relaxation<S> {
+pub(super) struct Relaxation<S> {
     ratio: S,
     /// `e^(−x)`: remaining part of the initial energy.
     pub kept: S,
@@ -259,19 +259,19 @@ impl<S: Scalar> Relaxation<S> {
 
     /// `1 − e^(−x)`: leaked part of the initial energy.
     #[inline]
-    pub(crate) fn lost(&self) -> S {
+    pub(super) fn lost(&self) -> S {
         self.ratio * self.of_income
     }
 
     /// Leaked part of an even income.
     #[inline]
-    pub(crate) fn lost_of_income(&self) -> S {
+    pub(super) fn lost_of_income(&self) -> S {
         self.ratio * self.second
     }
 
     /// Remaining part of an even income less that of an income at the start.
     #[inline]
-    pub(crate) fn lost_by_early_income(&self) -> S {
+    pub(super) fn lost_by_early_income(&self) -> S {
         self.ratio * (self.of_income - self.second)
     }
 }

@@ -36,7 +36,7 @@ const ROTATION: f32 = 2048.0;
 const SECTION_BITS: u32 = 13;
 /// Fewest samples that a section may have, and most.
 const LEAST_SAMPLES: usize = 16;
-const MOST_SAMPLES: usize = 128;
+pub(crate) const MOST_SAMPLES: usize = 128;
 /// Most sections in a block.
 const MOST_SECTIONS: usize = 32;
 /// Most bins, and one.

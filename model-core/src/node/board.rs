@@ -189,7 +189,7 @@ where
         }
         let mut burst = [0; BURST];
         let now = self.board.sleep(self.wake.again_in, samples.min(BURST as u32));
-        let mut heard = None;
+        let mut found = None;
         loop {
             let Ok(count) = self.board.read_samples(&mut burst) else {
                 self.node.samples_lost(&mut self.state);
@@ -201,10 +201,10 @@ where
             }
             match self.node.samples(&mut self.state, burst) {
                 Progress::More(samples) => self.wake.task = Task::Burst { samples },
-                Progress::Done(hearing) => {
+                Progress::Done(finding) => {
                     self.board.stop_sensor();
                     self.is_sampling = false;
-                    heard = Some(hearing);
+                    found = Some(finding);
                     break;
                 }
                 Progress::Idle => {}
@@ -213,10 +213,10 @@ where
         // The books wait for the end of the burst, because they cost more than a part of it.
         let since = now.checked_sub(N::second(&self.state));
         let is_over = since.is_none_or(|since| since >= self.wake.again_in);
-        if heard.is_some() || is_over {
+        if found.is_some() || is_over {
             self.ask(now, None);
         }
-        heard.map_or(Step::Sampled, Step::Burst)
+        found.map_or(Step::Sampled, Step::Burst)
     }
 
     #[inline(never)]

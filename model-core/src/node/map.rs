@@ -12,6 +12,7 @@
 //! Where the readings do as well none is taken, but for one each [`Bursts::check`] that compares the map with the storage.
 
 mod finding;
+mod gain;
 mod income;
 mod parameters;
 #[cfg(test)]
@@ -21,29 +22,21 @@ pub use finding::{Finding, Modelled, Yield};
 pub use parameters::{Bursts, MapParameters, NodeError, Sensor};
 
 use super::tier::{BOUND, IncomeOfTime, StoreReading};
-use super::voltage::Beside;
+use super::voltage::{Beside, Told};
 use super::{Gap, HOUR, Progress, Task, Tier, VoltageNode, VoltageState, Wake, real};
 use crate::energy::ResponseMap;
 use crate::energy::response_map::Words;
-use crate::excitation::{LineBank, LineBankState};
+use crate::excitation::{LineBank, LineBankState, MOST_SAMPLES};
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
 use finding::{Blocks, Motion};
-use income::{Held, Modelled as ModelledEnergy};
+use income::{Held, ModelledEnergy};
 use parameters::{MOST_BLOCKS, MOST_START_UP};
 
 /// Seconds after its end at which a burst that is not complete is given up.
 const GRACE: u32 = 2;
 /// Doublings of the shortest time between bursts without a value.
 const MOST_DOUBLINGS: u32 = 6;
-/// Least gain.
-const LOWEST_GAIN: f32 = 1e-3;
-/// Variance of a comparison over that of the gain from which it says too little.
-const LITTLE: f32 = 100.0;
-/// Standard deviations of a comparison of map and storage from which it contradicts the gain, and such comparisons in turn after
-/// which the map is doubtful.
-const CONTRADICTS: f32 = 3.0;
-const CONTRADICTIONS: u32 = 3;
 
 /// Relative standard deviation of the gain above which it is learnt while the storage fills up.
 const UNCERTAIN: f32 = 0.1;
@@ -94,16 +87,6 @@ pub struct MapState<const P: usize, const ACTIONS: usize> {
     last_hour: Option<IncomeOfTime>,
 }
 
-/// A harvested power in W that the storage told, the variance of its error, and the part of that which is the same at all times.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Told {
-    power: f32,
-    variance: f32,
-    lasting: f32,
-}
-
-snapshot_fields!(impl [] Told { power, variance, lasting });
-
 /// A burst under way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Burst<const P: usize> {
@@ -114,11 +97,8 @@ struct Burst<const P: usize> {
     missing: u32,
 }
 
-/// Most samples in a section of a bank.
-const MOST_SAMPLES: u32 = 128;
-
 snapshot_fields!(impl [const P: usize] Burst<P> { bank, blocks, start_up, missing } if |burst| {
-    burst.start_up <= MOST_START_UP && burst.missing <= MOST_BLOCKS * MOST_SAMPLES * P as u32
+    burst.start_up <= MOST_START_UP && burst.missing <= MOST_BLOCKS * MOST_SAMPLES as u32 * P as u32
 });
 
 snapshot_fields!(impl [const P: usize, const ACTIONS: usize] MapState<P, ACTIONS> {
@@ -241,7 +221,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
         state.held.pass(seconds, [&mut state.interval, &mut state.hour]);
         state.since = state.since.saturating_add(seconds);
         // In ten days it may change by its deviation.
-        let [_, most_of_draw] = self.voltage.standing();
+        let most_of_draw = self.voltage.of_standing();
         let of_draw = state.of_draw + most_of_draw * (1.0 / 864_000.0) * real(seconds);
         state.of_draw = Scalar::min(of_draw, most_of_draw);
         let drift = self.parameters.gain_drift;
@@ -292,101 +272,6 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
             IncomeOfTime { energy, bound, ..told }
         } else {
             told
-        }
-    }
-
-    /// Learns the gain from a modelled power in W, of relative variances by noise and by the map, and what the storage told of the same
-    /// vibration.
-    ///
-    /// One jump of the vibration within a comparison would make it worthless. So a burst is compared with two intervals that the storage told,
-    /// or two bursts with the interval between them, and what changed from one to the other is in the variances.
-    fn compare(
-        &self,
-        state: &mut MapState<P, ACTIONS>,
-        modelled: f32,
-        [noise, systematic]: [f32; 2],
-        told: Told,
-    ) {
-        if modelled <= 0.0 {
-            return;
-        }
-        // Noise takes it below 0 too: without that the mean of many comparisons would be too large.
-        let ratio = told.power / modelled;
-        let per_square = 1.0 / (modelled * modelled);
-        let square = state.gain * state.gain;
-        let of_ratio = told.variance * per_square + square * (noise + systematic);
-        if !(of_ratio < LITTLE * state.of_gain) {
-            return;
-        }
-        let (departure, both) = (ratio - state.gain, state.of_gain + of_ratio);
-        if departure * departure > CONTRADICTS * CONTRADICTS * both {
-            state.contradictions += 1;
-            if state.contradictions < CONTRADICTIONS {
-                return;
-            }
-            // The harvester is another one: this comparison and the next ones learn its gain.
-            state.is_doubtful = true;
-            state.of_gain = departure * departure;
-        }
-        state.contradictions = 0;
-        let part = state.of_gain / (state.of_gain + of_ratio);
-        state.gain = Scalar::max(state.gain + part * departure, LOWEST_GAIN);
-        // What is off of the storage, the draw and the map is the same in each comparison.
-        let least = Scalar::min(state.of_gain, told.lasting * per_square + square * systematic);
-        state.of_gain = Scalar::max((1.0 - part) * state.of_gain, least);
-    }
-
-    /// Compares the last burst with the last two intervals that the storage told.
-    fn compare_pair(&self, state: &mut MapState<P, ACTIONS>) {
-        let [Some(last), Some(before)] = state.told else { return };
-        let change = last.power - before.power;
-        let told = Told {
-            power: 0.5 * (before.power + last.power),
-            variance: 0.5 * (before.variance + last.variance) + change * change,
-            lasting: last.lasting,
-        };
-        let Yield { value, noise, systematic } = state.held.yielded;
-        if state.is_rest {
-            self.learn_draw(state, &told, change);
-        } else {
-            self.compare(state, value, [noise * noise / (value * value), systematic * systematic], told);
-        }
-    }
-
-    /// Learns the standing power while the harvester rests: what then seems to be an income below 0 is drawn.
-    fn learn_draw(&self, state: &mut MapState<P, ACTIONS>, told: &Told, change: f32) {
-        let stored = self.voltage.stored_of(1.0);
-        let noise = state.held.yielded.noise;
-        let variance = Scalar::max(told.variance - told.lasting, change * change) + noise * noise;
-        let part = state.of_draw / (state.of_draw + stored * stored * variance);
-        if part > 0.0 {
-            self.voltage.draw_more(&mut state.voltage, -part * stored * told.power);
-            state.of_draw *= 1.0 - part;
-        }
-    }
-
-    /// Compares the interval that the storage has told with the bursts at its begin and its end.
-    fn compare_between(&self, state: &mut MapState<P, ACTIONS>, before: Yield) {
-        let Some(told) = state.told[0] else { return };
-        let Yield { value, noise, systematic } = state.held.yielded;
-        let (modelled, change) = (0.5 * (before.value + value), value - before.value);
-        let variance = (noise * noise + change * change) / (modelled * modelled);
-        self.compare(state, modelled, [variance, systematic * systematic], told);
-    }
-
-    /// Keeps what the storage told since the reading before, and compares it with a burst between both.
-    fn keep_told(&self, state: &mut MapState<P, ACTIONS>) {
-        let is_between = core::mem::replace(&mut state.is_between, false);
-        if state.voltage.last_reading() != Some(StoreReading::Used) {
-            state.untold = state.untold.saturating_add(state.interval.seconds);
-            return;
-        }
-        let [power, variance, lasting] = self.voltage.told(&state.voltage);
-        let before = if state.untold == 0 { state.told[0] } else { None };
-        state.told = [Some(Told { power, variance, lasting }), before];
-        state.untold = 0;
-        if is_between {
-            self.compare_pair(state);
         }
     }
 
@@ -531,7 +416,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> Tier for Ma
             of_gain: self.parameters.gain * self.parameters.gain,
             contradictions: 0,
             is_doubtful: false,
-            of_draw: self.voltage.standing()[1],
+            of_draw: self.voltage.of_standing(),
             is_rest: false,
             told: [None; 2],
             untold: 0,
@@ -560,7 +445,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> Tier for Ma
             self.give_up(state);
         }
         self.pass(state, seconds);
-        let beside = self.beside(state);
+        let beside = code.and_then(|_| self.beside(state));
         let wake = self.voltage.wake_with(&mut state.voltage, now, code, beside);
         self.conclude(state);
         self.with_burst(state, wake)
@@ -579,7 +464,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> Tier for Ma
         if state.burst.missing > 0 {
             self.give_up(state);
         }
-        let beside = self.beside(state);
+        let beside = code.and_then(|_| self.beside(state));
         let wake = self.voltage.wake_after_with(&mut state.voltage, gap, code, beside);
         self.conclude(state);
         self.with_burst(state, wake)

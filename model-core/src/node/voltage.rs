@@ -13,10 +13,12 @@
 //! The errors of the standing power, the actions, the leakage, the capacitance and the converter's reference are the same at all
 //! times: they count by the whole energy that they are of, and no bound falls with time as if they averaged out.
 
+mod beside;
 mod parameters;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
+pub(super) use beside::{Beside, Told};
 pub use parameters::{Tolerances, VoltageParameters};
 
 use super::parameters::Regular;
@@ -57,15 +59,6 @@ pub struct VoltageNode<const ACTIONS: usize> {
     /// Relative variances: of all changes of the energy, and of the leakage.
     scale: f32,
     leakage: f32,
-}
-
-/// What says something of the income since the last reading beside the voltage: an energy in J at the storage, the variance of
-/// its error, and a bound of an error that is the same at all times.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Beside {
-    pub(super) energy: f32,
-    pub(super) variance: f32,
-    pub(super) bound: f32,
 }
 
 /// The energies of a time.
@@ -217,60 +210,6 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
     pub fn stored(&self, state: &VoltageState<ACTIONS>) -> [f32; 2] {
         let variance = state.variance + self.lasting_error(state.read, state.out);
         [Scalar::max(state.energy(), 0.0), BOUND * Scalar::sqrt(variance)]
-    }
-
-    /// A harvested energy in J of a stored one.
-    pub(super) fn harvested(&self, stored: f32) -> f32 {
-        self.per_stored * stored
-    }
-
-    /// A stored energy in J of a harvested one.
-    pub(super) fn stored_of(&self, harvested: f32) -> f32 {
-        self.parameters.storage.charging_efficiency * harvested
-    }
-
-    /// Voltage of the storage in V.
-    pub(super) fn voltage(&self, state: &VoltageState<ACTIONS>) -> f32 {
-        let storage = &self.parameters.storage;
-        let square = 2.0 * Scalar::max(state.energy(), 0.0) / storage.capacitor.capacitance;
-        Scalar::min(Scalar::sqrt(square), storage.highest_voltage)
-    }
-
-    /// The harvested power in W between the last two readings, the variance of its error, and the part of that which is the same
-    /// at all times.
-    pub(super) fn told(&self, state: &VoltageState<ACTIONS>) -> [f32; 3] {
-        let per_time = self.per_stored / real(state.over.max(1));
-        let lasting = self.lasting_error(state.income, self.standing * real(state.over));
-        [state.income * per_time, state.of_income * per_time * per_time, lasting * per_time * per_time]
-    }
-
-    /// Standing power in W at the storage, as stated, and the variance of its error.
-    pub(super) fn standing(&self) -> [f32; 2] {
-        let deviation = self.parameters.tolerances.standing * self.standing;
-        [self.standing, deviation * deviation]
-    }
-
-    /// Takes in that the standing power is larger by so much, in W at the storage.
-    pub(super) fn draw_more(&self, state: &mut VoltageState<ACTIONS>, power: f32) {
-        state.excess = Scalar::max(state.excess + power, -self.standing);
-    }
-
-    /// Seconds between the last two readings.
-    pub(super) fn last_interval(&self, state: &VoltageState<ACTIONS>) -> u32 {
-        state.over
-    }
-
-    /// Bound in J of the error of an hour by the voltage alone: of the last one, or of two readings.
-    pub(super) fn bound_of_an_hour(&self, state: &VoltageState<ACTIONS>) -> f32 {
-        match state.last_hour {
-            Some(IncomeOfTime { bound, silent: 0, .. }) => bound,
-            _ => self.per_stored * BOUND * Scalar::sqrt(2.0 * self.noise * state.read),
-        }
-    }
-
-    /// Whether an energy in J at the load leaves the lock-out.
-    pub(super) fn affords(&self, state: &VoltageState<ACTIONS>, energy: f32) -> bool {
-        state.is_located && state.energy() - self.drawn_per_used * energy > self.lock_out
     }
 
     /// The variance of a change of the energy and of what left beside it, by what is off at all times.
@@ -442,12 +381,6 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
             return longest;
         }
         (room / (2.0 * state.income)).to_u32().max(shortest).min(longest)
-    }
-
-    /// Whether the storage is full after the next readings, and not yet.
-    pub(super) fn fills_up(&self, state: &VoltageState<ACTIONS>) -> bool {
-        let [_, longest] = self.parameters.intervals;
-        state.reading == Some(StoreReading::Used) && self.interval(state) < longest
     }
 
     /// Whether an action leaves the reserve, and by the bound of the energy no less than the lock-out, if there was no income since

@@ -339,7 +339,7 @@ impl Part {
         assert!(by_voltage.median <= most * by_difference.median);
         let is_told = all.hours == all_of_map.hours && voltage.shunted == 0.0;
         assert!(!is_told || by_map.share <= 1.3 * voltage.share, "{} {}", by_map.share, voltage.share);
-        assert!(by_voltage.bound <= most * by_difference.bound);
+        assert!(by_voltage.bound <= 1.06 * by_difference.bound);
         // What is stored at the end is up to an action more or less.
         assert!(voltage.actions + (lines.len() as u32 * self.noises as u32) >= difference.actions);
         assert!(voltage.lock_outs <= difference.lock_outs);

@@ -29,10 +29,10 @@ pub(super) struct Held {
     change: f32,
 }
 
-/// Modelled energy of a time.
+/// ModelledEnergy energy of a time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Modelled {
+pub(super) struct ModelledEnergy {
     /// Seconds, and those of them of which the map says nothing.
     pub(super) seconds: u32,
     unknown: u32,
@@ -61,7 +61,7 @@ impl Held {
     }
 
     /// A time passes. What is held adds to `sums`.
-    pub(super) fn pass(&mut self, seconds: u32, sums: [&mut Modelled; 2]) {
+    pub(super) fn pass(&mut self, seconds: u32, sums: [&mut ModelledEnergy; 2]) {
         let Yield { value, noise, systematic } = self.yielded;
         for sum in sums {
             if self.is_known {
@@ -80,7 +80,7 @@ impl Held {
     }
 
     /// A burst says what the power is now.
-    pub(super) fn hear(&mut self, yielded: Yield, sums: [&mut Modelled; 2]) {
+    pub(super) fn hear(&mut self, yielded: Yield, sums: [&mut ModelledEnergy; 2]) {
         let step = yielded.value - self.yielded.value;
         if self.is_known {
             for sum in sums {
@@ -103,7 +103,7 @@ impl Held {
     }
 }
 
-impl Modelled {
+impl ModelledEnergy {
     /// Whether the map says something of all of the time.
     pub(super) fn is_known(&self) -> bool {
         self.unknown == 0 && self.seconds > 0
@@ -118,4 +118,4 @@ impl Modelled {
 }
 
 snapshot_fields!(impl [] Held { is_known, yielded, seconds, change } if |held| held.change >= 0.0);
-snapshot_fields!(impl [] Modelled { seconds, unknown, energy, variance, systematic } if |sum| sum.variance >= 0.0);
+snapshot_fields!(impl [] ModelledEnergy { seconds, unknown, energy, variance, systematic } if |sum| sum.variance >= 0.0);

@@ -4,6 +4,7 @@ use super::*;
 use crate::energy::response_map::test_map::{FINGERPRINT, factors, head};
 use crate::energy::response_map::{COLUMNS, LOWER, PARTS, ROWS, TAIL, UPPER, seal};
 use crate::energy::{Capacitor, StorageParameters};
+use crate::node::voltage::tests::normal;
 use crate::node::{Converter, Regular, Tolerances, VoltageParameters};
 
 const RATE: u32 = 100;
@@ -118,18 +119,8 @@ impl<'a, F: Fn(u32) -> (f64, f64)> Plant<'a, F> {
         0.5 * f64::from(self.node.parameters().voltage.storage.capacitor.capacitance) * voltage * voltage
     }
 
-    fn normal(&mut self) -> f64 {
-        let mut normal = -6.0;
-        for _ in 0..12 {
-            self.random =
-                self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            normal += (self.random >> 11) as f64 / (1_u64 << 53) as f64;
-        }
-        normal
-    }
-
     fn code(&mut self) -> u32 {
-        let voltage = 4.5 * (self.energy / self.at(4.5)).sqrt() + 0.6e-3 * self.normal();
+        let voltage = 4.5 * (self.energy / self.at(4.5)).sqrt() + 0.6e-3 * normal(&mut self.random);
         (voltage / CELL).round() as u32
     }
 
@@ -150,7 +141,7 @@ impl<'a, F: Fn(u32) -> (f64, f64)> Plant<'a, F> {
             let (amplitude, _) = (self.machine)(self.second + n / RATE);
             let phase = core::f64::consts::TAU * 20.0 * f64::from(n) / f64::from(RATE);
             // Without vibration the counts are exactly the same.
-            let noise = if amplitude > 0.0 { 0.3 * self.normal() } else { 0.0 };
+            let noise = if amplitude > 0.0 { 0.3 * normal(&mut self.random) } else { 0.0 };
             counts.push(((9.81 + amplitude * phase.sin()) / UNIT + noise).round() as i16);
         }
         for part in counts.chunks(128) {

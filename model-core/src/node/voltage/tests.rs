@@ -68,6 +68,16 @@ struct Tank {
     wake: Wake,
 }
 
+/// Normal with the variance 1, as the sum of twelve even numbers.
+pub(in crate::node) fn normal(random: &mut u64) -> f64 {
+    let mut normal = -6.0;
+    for _ in 0..12 {
+        *random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        normal += (*random >> 11) as f64 / (1_u64 << 53) as f64;
+    }
+    normal
+}
+
 impl Tank {
     fn new(off: Off, income: fn(u32) -> f64) -> Self {
         let energy = 0.5 * 10e-3 * off.capacitance * 9.0;
@@ -89,12 +99,7 @@ impl Tank {
     }
 
     fn code(&mut self) -> u32 {
-        let mut normal = -6.0;
-        for _ in 0..12 {
-            self.random =
-                self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            normal += (self.random >> 11) as f64 / (1_u64 << 53) as f64;
-        }
+        let normal = normal(&mut self.random);
         let voltage = (self.energy * 200.0 / self.off.capacitance).sqrt() * self.off.reference;
         ((voltage + 0.6e-3 * normal) / 5.0 * 4096.0).round() as u32
     }

@@ -1,0 +1,91 @@
+//! What a node that knows more than the voltage asks of it and hands it: none of it is in the binary of a [`VoltageNode`] alone.
+
+use super::{VoltageNode, VoltageState};
+use crate::node::real;
+use crate::node::tier::{BOUND, IncomeOfTime, StoreReading};
+use crate::scalar::Scalar;
+use crate::snapshot::snapshot_fields;
+
+/// What says something of the income since the last reading beside the voltage: an energy in J at the storage, the variance of
+/// its error, and a bound of an error that is the same at all times.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::node) struct Beside {
+    pub(in crate::node) energy: f32,
+    pub(in crate::node) variance: f32,
+    pub(in crate::node) bound: f32,
+}
+
+/// A harvested power in W that the storage told, the variance of its error, and the part of that which is the same at all times.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(in crate::node) struct Told {
+    pub(in crate::node) power: f32,
+    pub(in crate::node) variance: f32,
+    pub(in crate::node) lasting: f32,
+}
+
+snapshot_fields!(impl [] Told { power, variance, lasting });
+
+impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
+    /// A harvested energy in J of a stored one.
+    pub(in crate::node) fn harvested(&self, stored: f32) -> f32 {
+        self.per_stored * stored
+    }
+
+    /// A stored energy in J of a harvested one.
+    pub(in crate::node) fn stored_of(&self, harvested: f32) -> f32 {
+        self.parameters.storage.charging_efficiency * harvested
+    }
+
+    /// Voltage of the storage in V.
+    pub(in crate::node) fn voltage(&self, state: &VoltageState<ACTIONS>) -> f32 {
+        let storage = &self.parameters.storage;
+        let square = 2.0 * Scalar::max(state.energy(), 0.0) / storage.capacitor.capacitance;
+        Scalar::min(Scalar::sqrt(square), storage.highest_voltage)
+    }
+
+    /// What the last two readings tell.
+    pub(in crate::node) fn told(&self, state: &VoltageState<ACTIONS>) -> Told {
+        let per_time = self.per_stored / real(state.over.max(1));
+        let lasting = self.lasting_error(state.income, self.standing * real(state.over));
+        Told {
+            power: state.income * per_time,
+            variance: state.of_income * per_time * per_time,
+            lasting: lasting * per_time * per_time,
+        }
+    }
+
+    /// Variance in W² of the standing power at the storage.
+    pub(in crate::node) fn of_standing(&self) -> f32 {
+        let deviation = self.parameters.tolerances.standing * self.standing;
+        deviation * deviation
+    }
+
+    /// Takes in that the standing power is larger by so much, in W at the storage.
+    pub(in crate::node) fn draw_more(&self, state: &mut VoltageState<ACTIONS>, power: f32) {
+        state.excess = Scalar::max(state.excess + power, -self.standing);
+    }
+
+    /// Seconds between the last two readings.
+    pub(in crate::node) fn last_interval(&self, state: &VoltageState<ACTIONS>) -> u32 {
+        state.over
+    }
+
+    /// Bound in J of the error of an hour by the voltage alone: of the last one, or of two readings.
+    pub(in crate::node) fn bound_of_an_hour(&self, state: &VoltageState<ACTIONS>) -> f32 {
+        match state.last_hour {
+            Some(IncomeOfTime { bound, silent: 0, .. }) => bound,
+            _ => self.per_stored * BOUND * Scalar::sqrt(2.0 * self.noise * state.read),
+        }
+    }
+
+    /// Whether an energy in J at the load leaves the lock-out.
+    pub(in crate::node) fn affords(&self, state: &VoltageState<ACTIONS>, energy: f32) -> bool {
+        state.is_located && state.energy() - self.drawn_per_used * energy > self.lock_out
+    }
+
+    /// Whether the storage is full after the next readings, and not yet.
+    pub(in crate::node) fn fills_up(&self, state: &VoltageState<ACTIONS>) -> bool {
+        let [_, longest] = self.parameters.intervals;
+        state.reading == Some(StoreReading::Used) && self.interval(state) < longest
+    }
+}
