@@ -12,6 +12,17 @@ const RATE: u32 = 100; // samples of the accelerometer in a second
 const UNIT: f32 = 9.806_65e-3; // m/s² of a count
 /// Sections of at most 20 samples, 16 of them in a burst of 3.2 s: bins to 1.25 Hz on each side of the resonance.
 type ThisNode = MapNode<&'static [u16], 20, 16, 1>;
+/// In flash: a damaged map, or a parameter outside its bounds, does not compile.
+pub(crate) static NODE: ThisNode = {
+    let bank = LineBank::new(RATE as f32, map::RESONANCE_HZ, map::HALF_BANDWIDTH_HZ, UNIT);
+    let Ok(bank) = bank else { panic!("the bank of lines") };
+    let Ok(node) = MapNode::new(MAP, bank, PARAMETERS) else { panic!("the parameters") };
+    node
+};
+const MAP: ResponseMap<&[u16]> = match ResponseMap::of_words(&map::MAP, map::FINGERPRINT) {
+    Ok(map) => map,
+    Err(_) => panic!("the map"),
+};
 const BURST: f32 = 30e-6; // J of a burst at the load: docs/node.md, "Cost"
 const READING: f32 = 0.6e-6; // J of a reading
 const PARAMETERS: MapParameters<1> = MapParameters {
@@ -50,7 +61,6 @@ const PARAMETERS: MapParameters<1> = MapParameters {
 };
 
 struct Bench {
-    map: ResponseMap<&'static [u16]>,
     second: u32,
     stored: f64,
     harvested: f64,
@@ -73,7 +83,7 @@ impl Board for Bench {
     fn sleep(&mut self, seconds: u32, samples: u32) -> u32 {
         for _ in 0..if samples > 0 { samples.div_ceil(RATE).min(seconds) } else { seconds } {
             // The harvester yields 0.8 of what the map says.
-            let current = self.map.at_voltage(self.amplitude(), 20.5, self.voltage() as f32).income();
+            let current = MAP.at_voltage(self.amplitude(), 20.5, self.voltage() as f32).income();
             let power = 0.8 * self.voltage() * current.map_or(0.0, |current| f64::from(current.value));
             self.harvested += power;
             self.stored = (self.stored + power - 1e-6 - self.voltage().powi(2) / 100e6).min(0.10125);
@@ -109,18 +119,14 @@ impl Board for Bench {
     }
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let map = ResponseMap::new(&map::MAP[..], map::FINGERPRINT)?;
-    let bank = LineBank::new(RATE as f32, map::RESONANCE_HZ, map::HALF_BANDWIDTH_HZ, UNIT)?;
-    let node: ThisNode = MapNode::new(map, bank, PARAMETERS)?;
-    let bench = Bench { map, second: 0, stored: 80e-3, harvested: 0.0, burst: [0; 2] };
-    let (mut runner, mut hour) = (Runner::new(bench, &node, 0), None);
+fn main() {
+    let bench = Bench { second: 0, stored: 80e-3, harvested: 0.0, burst: [0; 2] };
+    let (mut runner, mut hour) = (Runner::new(bench, &NODE, 0), None);
     while runner.board().second <= 86_400 {
         if runner.step() == Step::Slept && runner.state().last_hour() != hour {
             hour = runner.state().last_hour();
             println!("{:5} s: {hour:?}, gain {:?}", runner.board().second, runner.state().gain());
         }
     }
-    println!("{:?} of true {}", node.overall(runner.state()), runner.board().harvested);
-    Ok(())
+    println!("{:?} of true {}", NODE.overall(runner.state()), runner.board().harvested);
 }

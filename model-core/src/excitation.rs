@@ -26,7 +26,6 @@ use crate::scalar::Scalar;
 pub use any::AnyExcitation;
 pub use burst::Burst;
 pub use density::{DENSITY_FREQUENCY, SPECTRAL_DENSITY, SpectralDensity};
-pub(crate) use line_bank::MOST_SAMPLES;
 pub use line_bank::{LineBank, LineBankState, Lines};
 pub use random::{Random, SpectralLine};
 pub use sampled::{AfterLastSample, Sampled};

@@ -25,6 +25,7 @@ pub use self::micromath::Micromath;
 pub(crate) use compensated::{CompensatedSum, add_increment};
 pub(crate) use complex::Complex;
 pub use polynomial::Polynomial;
+pub(crate) use polynomial::sine_of_phase;
 
 /// A finite number as `±mantissa · 2^exponent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -14,7 +14,7 @@ use embedded_storage::nor_flash::{
 use model_core::node::{Board, Fault, Gap, Runner, Tier, VoltageNode};
 use model_core::snapshot::image_size;
 
-use super::parts::{ACTIONS, ExampleNode, NODE, Part};
+use super::parts::{ACTIONS, NODE, Part};
 use super::{IMAGE_BYTES, IMAGE_EVERY};
 use crate::board::adxl362::{Adxl362, Axis, Range, Rate};
 use crate::board::flash::Slots;
@@ -168,22 +168,12 @@ impl<R: Registers> NorFlash for Flash<R> {
 const BY_VOLTAGE: bool = option_env!("HARVESTER_VARIANT").is_some();
 
 /// Runs the node until `is_over` at a second of the clock.
-///
-/// Making it, living, resuming and saving are calls: what each takes on the stack is free again afterwards.
 pub fn run<R: Registers>(is_over: impl Fn(u32) -> bool) {
     if BY_VOLTAGE {
-        live::<R, _, _, { image_size::<VoltageNode<ACTIONS>>() }>(VoltageBoard(slots::<R>()), &NODE, is_over);
+        const IMAGE: usize = image_size::<VoltageNode<ACTIONS>>();
+        live::<R, _, _, IMAGE>(VoltageBoard(slots::<R>()), &NODE, is_over);
     } else {
-        with_bursts::<R>(made(), is_over);
-    }
-}
-
-/// The node.
-#[inline(never)]
-fn made() -> ExampleNode {
-    match Part::TARGET.node() {
-        Ok(node) => node,
-        Err(_) => stop(Code::WorkloadFailed),
+        live::<R, _, _, IMAGE_BYTES>(with_sensor::<R>(), Part::TARGET.node(), is_over);
     }
 }
 
@@ -220,8 +210,7 @@ impl<R: Registers> Board for VoltageBoard<R> {
     }
 }
 
-#[inline(never)]
-fn with_bursts<R: Registers>(node: ExampleNode, is_over: impl Fn(u32) -> bool) {
+fn with_sensor<R: Registers>() -> impl Board {
     let mut board = HalBoard {
         sensor: Adxl362::new(Spi::<R>(PhantomData), Axis::Z, Range::G2, Rate::Hz100),
         delay: Wait::<R>(PhantomData),
@@ -235,7 +224,7 @@ fn with_bursts<R: Registers>(node: ExampleNode, is_over: impl Fn(u32) -> bool) {
     };
     // A reset of the processor may have come in a burst.
     board.stop_sensor();
-    live::<R, _, _, IMAGE_BYTES>(board, &node, is_over);
+    board
 }
 
 fn live<R: Registers, B: Board, N: Tier<State: Copy>, const IMAGE: usize>(
@@ -243,8 +232,7 @@ fn live<R: Registers, B: Board, N: Tier<State: Copy>, const IMAGE: usize>(
     node: &N,
     is_over: impl Fn(u32) -> bool,
 ) {
-    let mut runner = Runner::new(board, node, R::read(Register::Second));
-    resume::<_, _, IMAGE>(&mut runner, R::read(Register::Second));
+    let mut runner = started::<_, _, IMAGE>(board, node, R::read(Register::Second));
     let mut saved = N::second(runner.state());
     while !is_over(N::second(runner.state())) {
         runner.step();
@@ -256,16 +244,20 @@ fn live<R: Registers, B: Board, N: Tier<State: Copy>, const IMAGE: usize>(
     }
 }
 
-/// Continues from the newest image. Without one the node begins anew.
+/// The node on its board, which goes on from the newest image; without one it begins anew.
 #[inline(never)]
-fn resume<B: Board, N: Tier<State: Copy>, const IMAGE: usize>(runner: &mut Runner<'_, B, N>, second: u32) {
-    let mut image = [0; IMAGE];
-    let _ = runner.resume(&mut image, Gap::OnUntil(second));
+fn started<B: Board, N: Tier<State: Copy>, const IMAGE: usize>(
+    board: B,
+    node: &N,
+    second: u32,
+) -> Runner<'_, B, N> {
+    let mut runner = Runner::new(board, node, second);
+    let _ = runner.resume(&mut [0; IMAGE], Gap::OnUntil(second));
+    runner
 }
 
-/// Writes an image. A failure of the flash leaves the image before it.
+/// Writes an image, whose buffer is free again afterwards. A failure of the flash leaves the image before it.
 #[inline(never)]
 fn save<B: Board, N: Tier<State: Copy>, const IMAGE: usize>(runner: &mut Runner<'_, B, N>) {
-    let mut image = [0; IMAGE];
-    let _ = runner.save(&mut image);
+    let _ = runner.save(&mut [0; IMAGE]);
 }

@@ -24,8 +24,6 @@ pub enum End {
 /// The node cannot go on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Failed {
-    /// A parameter was refused.
-    Parameters,
     /// An image was not written.
     Image,
     /// The storage fell to the voltage of the lock-out, which this day does not have.
@@ -45,10 +43,7 @@ pub fn cycle<M: Meter>(
     meter: &M,
     log: &mut dyn FnMut(&Entry),
 ) -> Result<End, Failed> {
-    let made = part.node();
-    // By reference: a node has no room for a second copy.
-    let Ok(node) = &made else { return Err(Failed::Parameters) };
-    let runner = &mut start(node, world, meter);
+    let runner = &mut start(part.node(), world, meter);
     resume(runner, log);
     let mut diary = Diary::new(runner);
     loop {

@@ -1,12 +1,9 @@
 //! What the node is made of. Energies are those of `energy::cost` for its processor.
 
-use model_core::bounds::ParameterError;
-use model_core::energy::cost::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
-use model_core::energy::response_map::MapError;
 use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
-use model_core::excitation::{ExcitationError, LineBank};
+use model_core::excitation::LineBank;
 use model_core::node::{
-    Bursts, Converter, MapNode, MapParameters, MapState, NodeError, Regular, Sensor, Tolerances, VoltageNode,
+    Bursts, Converter, MapNode, MapParameters, MapState, Regular, Sensor, Tolerances, VoltageNode,
     VoltageParameters,
 };
 
@@ -59,75 +56,48 @@ pub enum Part {
     Stm32l051,
 }
 
-/// Why there is no node.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PartsError {
-    /// A parameter outside its bounds.
-    Node(NodeError),
-    /// The map is not whole.
-    Map(MapError),
-    /// The bank of lines does not fit.
-    Bank(ExcitationError),
-    /// A part has no figure for this use.
-    Figure,
-}
-
-impl From<ParameterError<f32>> for PartsError {
-    fn from(error: ParameterError<f32>) -> Self {
-        Self::Node(error.into())
-    }
-}
-
 impl Part {
     /// The one for the core that this is compiled for.
     #[cfg(target_os = "none")]
     pub const TARGET: Self = if cfg!(target_abi = "eabihf") { Self::Nrf52832 } else { Self::Stm32l051 };
 
-    fn processor(self) -> Processor<f32> {
+    /// The node with this processor, an ADXL362 and a storage of 47 mF, in flash. It measures and transmits each five minutes.
+    #[must_use]
+    pub fn node(self) -> &'static ExampleNode {
+        static NRF52832: ExampleNode = with_map(Part::Nrf52832);
+        static STM32L051: ExampleNode = with_map(Part::Stm32l051);
         match self {
-            Self::Nrf52832 => Processor::nrf52832(),
-            Self::Stm32l051 => Processor::stm32l051(),
+            Self::Nrf52832 => &NRF52832,
+            Self::Stm32l051 => &STM32L051,
         }
     }
 
-    /// The node with this processor, an ADXL362 and a storage of 47 mF. It measures and transmits each five minutes.
-    ///
-    /// # Errors
-    /// If a parameter is outside its bounds, or the map does not belong to this version.
-    #[inline(never)]
-    pub fn node(self) -> Result<ExampleNode, PartsError> {
-        let map = ResponseMap::new(&map::MAP[..], map::FINGERPRINT).map_err(PartsError::Map)?;
-        let bank = LineBank::new(RATE as f32, map::RESONANCE_HZ, map::HALF_BANDWIDTH_HZ, UNIT)
-            .map_err(PartsError::Bank)?;
-        MapNode::new(map, bank, self.parameters()?).map_err(PartsError::Node)
+    /// Standing power in W, and energies of a reading and a burst in J, by `energy::cost`.
+    const fn figures(self) -> [f32; 3] {
+        match self {
+            Self::Nrf52832 => FIGURES[0],
+            Self::Stm32l051 => FIGURES[1],
+        }
     }
+}
 
-    /// The parameters of the node. A call of its own: what the figures of the parts take on the stack is free again afterwards.
-    #[inline(never)]
-    fn parameters(self) -> Result<MapParameters<ACTIONS>, PartsError> {
-        let accelerometer = Accelerometer::adxl362();
-        let cost = CostModel::<f32>::new(self.processor(), accelerometer);
-        let Instructions { reading, sample, block } = node_instructions(cost.processor.core);
-        let instructions = BURST as f32 * sample + block;
-        let burst = cost.listen(BURST, RATE as f32, instructions, Code::Filter).ok_or(PartsError::Figure)?;
-        let reading = cost.voltage_reading.value
-            + cost.start_energy()
-            + cost.processor.computing(reading, Code::Filter);
-        Ok(MapParameters {
-            voltage: by_voltage(reading, cost.standing_power().ok_or(PartsError::Figure)?),
-            sensor: Sensor {
-                rate: RATE as f32,
-                start_up: accelerometer.start_up_samples,
-                blocks: 1,
-                // 12 bits.
-                clipped: 2040,
-            },
-            // Each hour, so that the day has bursts.
-            bursts: Bursts { energy: burst.total(), worth: 10.0, shortest: 60, check: 3600 },
-            gain: 1.0,
-            gain_drift: 0.1,
-        })
-    }
+/// A node whose parameters do not fit does not compile.
+const fn with_map(part: Part) -> ExampleNode {
+    let [standing_power, reading, burst] = part.figures();
+    let Ok(map) = ResponseMap::of_words(&map::MAP, map::FINGERPRINT) else { panic!("the map") };
+    let bank = LineBank::new(RATE as f32, map::RESONANCE_HZ, map::HALF_BANDWIDTH_HZ, UNIT);
+    let Ok(bank) = bank else { panic!("the bank of lines") };
+    let parameters = MapParameters {
+        voltage: by_voltage(reading, standing_power),
+        // 12 bits.
+        sensor: Sensor { rate: RATE as f32, start_up: START_UP, blocks: 1, clipped: 2040 },
+        // Each hour, so that the day has bursts.
+        bursts: Bursts { energy: burst, worth: 10.0, shortest: 60, check: 3600 },
+        gain: 1.0,
+        gain_drift: 0.1,
+    };
+    let Ok(node) = MapNode::new(map, bank, parameters) else { panic!("the parameters") };
+    node
 }
 
 /// The node by the voltage alone: the same storage and actions, in flash.
@@ -157,6 +127,11 @@ const fn by_voltage(reading: f32, standing_power: f32) -> VoltageParameters<ACTI
     }
 }
 
+/// By part: [`Part::figures`].
+const FIGURES: [[f32; 3]; 2] = [[5.7e-6, 0.312e-6, 46.3e-6], [2.4e-6, 2.13e-6, 66.7e-6]];
+/// Samples of the accelerometer's start-up.
+const START_UP: u32 = 4;
+
 /// A measurement and a transmission.
 const REGULAR: [Regular; ACTIONS] =
     [Regular { energy: 300e-6, every: 300 }, Regular { energy: 6.6e-3, every: 300 }];
@@ -169,3 +144,26 @@ const STORAGE: StorageParameters<f32> = StorageParameters {
     lock_out_voltage: LOCK_OUT,
     turn_on_voltage: 2.2,
 };
+
+#[cfg(test)]
+mod tests {
+    use super::{BURST, Part, RATE, START_UP};
+    use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor, node_instructions};
+
+    #[test]
+    fn the_energies_are_those_of_the_parts() {
+        let parts = [(Part::Nrf52832, Processor::nrf52832()), (Part::Stm32l051, Processor::stm32l051())];
+        for (part, processor) in parts {
+            let cost = CostModel::<f32>::new(processor, Accelerometer::adxl362());
+            assert_eq!(cost.accelerometer.start_up_samples, START_UP);
+            let of = node_instructions(cost.processor.core);
+            let computing = cost.processor.computing(of.reading, Code::Filter);
+            let reading = cost.voltage_reading.value + cost.start_energy() + computing;
+            let burst = cost.listen(BURST, RATE as f32, BURST as f32 * of.sample + of.block, Code::Filter);
+            let expected = [cost.standing_power().expect("known"), reading, burst.expect("a rate").total()];
+            for (found, expected) in part.figures().into_iter().zip(expected) {
+                assert!((found / expected - 1.0).abs() < 0.01, "{part:?}: {found:e} {expected:e}");
+            }
+        }
+    }
+}

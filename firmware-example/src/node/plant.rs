@@ -289,7 +289,7 @@ mod tests {
     #[test]
     fn the_books_of_the_plant_close() {
         use super::super::parts::Part;
-        let draws = super::Draws::new(&Part::Nrf52832.node().expect("valid"));
+        let draws = super::Draws::new(Part::Nrf52832.node());
         let whole = {
             let mut plant = Plant::new();
             plant.advance(&draws, 86_400);

@@ -99,14 +99,33 @@ pub struct Followed {
 }
 
 /// The program of a node on a board, of one tier.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Bare {
     /// Its size.
     pub size: Size,
-    /// Its memory.
+    /// Its RAM.
     pub memory: Memory,
-    /// Instructions of a boot from an image, of a reading in the mean, and of the largest call.
-    pub instructions: [f64; 3],
+    /// Each kind of call that it makes.
+    pub calls: Vec<Call>,
+}
+
+/// Calls of a kind.
+#[derive(Debug, Clone)]
+pub struct Call {
+    /// Its name in the log.
+    pub name: String,
+    /// Calls, instructions in the mean and of the largest one, and stack in bytes.
+    pub counts: [f64; 4],
+}
+
+/// A line "call NAME NUMBER TICKS LARGEST STACK".
+fn call(line: &str, per_tick: f64) -> Option<Call> {
+    let mut words = line.strip_prefix("call ")?.split(' ');
+    let name = words.next()?.to_owned();
+    let mut next = || words.next()?.parse::<f64>().ok();
+    let [number, ticks, largest, stack] = [next()?, next()?, next()?, next()?];
+    (number > 0.0)
+        .then(|| Call { name, counts: [number, ticks * per_tick / number, largest * per_tick, stack] })
 }
 
 /// Builds the program of a node on a board for `core`, `by_voltage` alone or with bursts, and runs it on registers in memory for at
@@ -126,20 +145,14 @@ pub fn bare(core: Core, by_voltage: bool, time_limit: Duration) -> Result<Bare, 
         found.ok_or_else(|| Error::on(core, decode::Error::Incomplete))
     };
     let per_tick = core.hardware().instructions_per_tick();
-    let instructions = |name| count(name).map(|ticks| ticks as f64 * per_tick);
     Ok(Bare {
         size,
         memory: Memory {
             stack: count("bytes stack ")?,
-            node: count("bytes node ")?,
             state: count("bytes state ")?,
             image: count("bytes image ")?,
         },
-        instructions: [
-            instructions("ticks boot ")?,
-            instructions("ticks reading ")?,
-            instructions("ticks largest ")?,
-        ],
+        calls: lines.iter().filter_map(|line| call(line, per_tick)).collect(),
     })
 }
 
@@ -148,8 +161,6 @@ pub fn bare(core: Core, by_voltage: bool, time_limit: Duration) -> Result<Bare, 
 pub struct Memory {
     /// Deepest stack over some days, with all of the below.
     pub stack: u64,
-    /// The node: its configuration.
-    pub node: u64,
     /// Its state.
     pub state: u64,
     /// The buffer of an image, only while the node resumes or saves.

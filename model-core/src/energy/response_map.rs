@@ -54,7 +54,7 @@ pub use image::{
     BOUNDS, COLUMN_WORDS, COLUMNS, CURRENT, DENSITY_OCTAVES, HEAD, LOWER, MAGIC, MapError, NEAR, NOWHERE,
     PARTS, POWER_OCTAVES, ROWS, TAIL, UPPER, VERSION, seal,
 };
-pub use words::{Bounds, Columns, Part, Word, Words};
+pub use words::{Bounds, Columns, Part, Stored, Word, Words};
 
 use crate::scalar::Scalar;
 use image::Head;
@@ -176,6 +176,22 @@ pub struct Agreement {
     pub bounds_hold: f32,
 }
 
+impl<'a> ResponseMap<&'a [u16]> {
+    /// As [`ResponseMap::new`], also at compile time: a `static` map, or a node with it, is checked then and lies in flash.
+    ///
+    /// # Errors
+    /// [`MapError`].
+    pub const fn of_words(words: &'a [u16], fingerprint: u32) -> Result<Self, MapError> {
+        let (head, plan) = match checked(Stored::Words(words), fingerprint) {
+            Ok(parts) => parts,
+            Err(error) => return Err(error),
+        };
+        let parts = (words::columns(words, head.columns_from()), words::bounds(words, head.parts_from()));
+        let (Some(columns), Some(bounds)) = parts else { return Err(MapError::NotAMap) };
+        Ok(Self { words, columns, bounds, plan })
+    }
+}
+
 impl<W: Words> ResponseMap<W> {
     /// Checks a map: its checksum, its layout, and that it is of the harvester with this fingerprint.
     ///
@@ -188,13 +204,9 @@ impl<W: Words> ResponseMap<W> {
     /// # Errors
     /// [`MapError`].
     pub fn new(words: W, fingerprint: u32) -> Result<Self, MapError> {
-        let head = Head::read(words, fingerprint)?;
-        // Word 12 is where the columns begin.
-        let plan = Plan::new(&head).ok_or(MapError::Malformed { word: 12 })?;
-        // A checked map has all words.
-        let too_short = MapError::TooShort { needed: words.word(2).into(), given: words.count() };
-        let columns = words.columns(head.columns_from()).ok_or(too_short)?;
-        let bounds = words.bounds(head.parts_from()).ok_or(too_short)?;
+        let (head, plan) = checked(words.stored(), fingerprint)?;
+        let parts = (words.columns(head.columns_from()), words.bounds(head.parts_from()));
+        let (Some(columns), Some(bounds)) = parts else { return Err(MapError::NotAMap) };
         Ok(Self { words, columns, bounds, plan })
     }
 
@@ -204,25 +216,28 @@ impl<W: Words> ResponseMap<W> {
         self.plan.is_current
     }
 
+    fn word(&self, index: usize) -> u16 {
+        self.words.stored().word(index)
+    }
+
     /// Fingerprint of the harvester.
     #[must_use]
     pub fn fingerprint(&self) -> u32 {
-        u32::from(self.words.word(3)) | u32::from(self.words.word(4)) << 16
+        u32::from(self.word(3)) | u32::from(self.word(4)) << 16
     }
 
     /// CRC-32 of the map.
     #[must_use]
     pub fn checksum(&self) -> u32 {
-        let end = usize::from(self.words.word(2));
-        let word = |back: usize| u32::from(self.words.word(end.saturating_sub(back)));
+        let end = usize::from(self.word(2));
+        let word = |back: usize| u32::from(self.word(end.saturating_sub(back)));
         word(2) | word(1) << 16
     }
 
     /// Lowest and highest amplitude in m/s².
     #[must_use]
     pub fn amplitudes(&self) -> [f32; 2] {
-        [18, 19]
-            .map(|index| number(i32::from(self.words.word(index)) - AMPLITUDE_OCTAVES * LEVELS_PER_OCTAVE))
+        [18, 19].map(|index| number(i32::from(self.word(index)) - AMPLITUDE_OCTAVES * LEVELS_PER_OCTAVE))
     }
 
     /// Number of slices.
@@ -243,9 +258,9 @@ impl<W: Words> ResponseMap<W> {
     /// How well the map was found to agree with the full model.
     #[must_use]
     pub fn agreement(&self) -> Agreement {
-        let part = |index| f32::from(self.words.word(index)) * 1e-4;
+        let part = |index| f32::from(self.word(index)) * 1e-4;
         Agreement {
-            places: u32::from(self.words.word(22)),
+            places: u32::from(self.word(22)),
             median: part(23),
             percentile_90: part(24),
             bounds_hold: part(25),
@@ -302,7 +317,7 @@ impl<W: Words> ResponseMap<W> {
     /// branch, and for a density that is negative or from 2⁶⁴ on.
     #[must_use]
     pub fn broadband(&self, density: f32) -> Option<Broadband> {
-        let [factor, largest] = [26, 27].map(|index| i32::from(self.words.word(index)));
+        let [factor, largest] = [26, 27].map(|index| i32::from(self.word(index)));
         let level = level_of_density(density)?;
         if factor == 0 {
             return None;
@@ -314,7 +329,7 @@ impl<W: Words> ResponseMap<W> {
     }
 
     fn voltage_level(&self, slice: u16) -> i32 {
-        i32::from(self.words.word(HEAD + usize::from(slice)))
+        i32::from(self.word(HEAD + usize::from(slice)))
     }
 
     /// Resonance of the harvester in Hz.
@@ -324,7 +339,7 @@ impl<W: Words> ResponseMap<W> {
     }
 
     /// Whether the map reaches over a frequency in Hz.
-    pub(crate) fn has_frequency(&self, frequency: f32) -> bool {
+    pub(crate) const fn has_frequency(&self, frequency: f32) -> bool {
         self.plan.has_frequency(frequency.to_bits())
     }
 
@@ -370,6 +385,18 @@ impl<W: Words> ResponseMap<W> {
             None => nothing(),
         };
         Response::One { branch, income }
+    }
+}
+
+/// The numbers of a map that is whole and of this harvester.
+const fn checked(words: Stored<'_>, fingerprint: u32) -> Result<(Head, Plan), MapError> {
+    match Head::read(words, fingerprint) {
+        Ok(head) => match Plan::new(&head) {
+            Some(plan) => Ok((head, plan)),
+            // Word 12 is where the columns begin.
+            None => Err(MapError::Malformed { word: 12 }),
+        },
+        Err(error) => Err(error),
     }
 }
 

@@ -24,8 +24,8 @@
 mod tests;
 
 use super::ExcitationError;
-use crate::bounds::Bounds;
-use crate::scalar::{Mathematics, Polynomial, Scalar};
+use crate::bounds::first_outside;
+use crate::scalar::{Scalar, sine_of_phase};
 use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
 
 /// Unit of the reference: sums of 128 samples of 16 bits fit in 32 bits.
@@ -36,7 +36,7 @@ const ROTATION: f32 = 2048.0;
 const SECTION_BITS: u32 = 13;
 /// Fewest samples that a section may have, and most.
 const LEAST_SAMPLES: usize = 16;
-pub(crate) const MOST_SAMPLES: usize = 128;
+const MOST_SAMPLES: usize = 128;
 /// Most sections in a block.
 const MOST_SECTIONS: usize = 32;
 /// Most bins, and one.
@@ -112,19 +112,22 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
     ///
     /// # Errors
     /// [`ExcitationError::Bank`], [`ExcitationError::Band`], [`ExcitationError::Block`].
-    #[cold]
-    #[inline(never)]
-    pub fn new(rate: f32, frequency: f32, half_bandwidth: f32, unit: f32) -> Result<Self, ExcitationError> {
+    pub const fn new(
+        rate: f32,
+        frequency: f32,
+        half_bandwidth: f32,
+        unit: f32,
+    ) -> Result<Self, ExcitationError> {
         const { assert!(P.is_power_of_two() && P >= 8 && P <= MOST_SECTIONS, "8, 16 or 32 sections") };
         let half_rate = 0.45 * rate;
-        for (field, value, lowest, highest) in [
+        if let Some(error) = first_outside(&[
             ("M", real(M), real(LEAST_SAMPLES), real(MOST_SAMPLES)),
             ("unit", unit, f32::MIN_POSITIVE, f32::MAX),
             ("rate", rate, 1.0, 1e5),
             ("frequency", frequency, 2.0 * rate / real(M), half_rate),
             ("half_bandwidth", half_bandwidth, f32::MIN_POSITIVE, half_rate),
-        ] {
-            Bounds { lowest, highest }.check(field, value).map_err(ExcitationError::Bank)?;
+        ]) {
+            return Err(ExcitationError::Bank(error));
         }
         let (samples, cycles) = Self::section(rate, frequency);
         let section_rate = rate / real(samples);
@@ -132,54 +135,59 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         let bin_hz = section_rate / real(P);
         let low = (frequency - half_bandwidth - reference_hz) / bin_hz - 1.0;
         let high = (frequency + half_bandwidth - reference_hz) / bin_hz + 1.0;
-        let reach = f32::from_i32(Self::REACH) + 1.0;
+        let reach = Self::REACH as f32 + 1.0;
         if !(low > -reach && high < reach) {
-            let off = Scalar::abs(frequency - reference_hz);
-            let limit = f32::from_i32(Self::REACH) * bin_hz - off;
+            let limit = Self::REACH as f32 * bin_hz - (frequency - reference_hz).abs();
             return Err(ExcitationError::Band { section_rate, half_bandwidth, limit });
         }
         let (seconds, least) = (1.0 / bin_hz, 1.0 / (core::f32::consts::TAU * half_bandwidth));
         if seconds < least {
             return Err(ExcitationError::Block { seconds, least });
         }
-        let mut bank = Self {
-            reference: [[0; 2]; M],
-            rotation: [[0; 2]; P],
-            samples,
-            reference_hz,
-            bin_hz,
-            near: [floor(low) + 1, floor(high)],
-            gain: core::array::from_fn(|index| {
-                1.0 / Self::droop_square(f32::from_i32(index as i32 - Self::REACH))
-            }),
-            unit,
-        };
-        for (n, entry) in bank.reference.iter_mut().enumerate().take(samples) {
-            *entry = turned(n * cycles, samples, REFERENCE).map(i32::from);
-        }
-        bank.balance();
-        for (p, entry) in bank.rotation.iter_mut().enumerate() {
-            *entry = turned(p, P, ROTATION);
-        }
-        Ok(bank)
+        let near = [floor(low) + 1, floor(high)];
+        let (reference, rotation, gain) = Self::tables(samples, cycles);
+        Ok(Self { reference, rotation, samples, reference_hz, bin_hz, near, gain, unit })
     }
 
-    /// Takes from the reference what rounding left of its mean, a unit from each of the first entries.
-    fn balance(&mut self) {
-        let sum = self.reference.iter().fold([0_i32; 2], |[a, b], [c, s]| [a + c, b + s]);
-        for entry in self.reference.iter_mut().enumerate() {
-            let (index, [cosine, sine]) = entry;
-            let unit = |sum: i32| if index < sum.unsigned_abs() as usize { sum.signum() } else { 0 };
-            *cosine -= unit(sum[0]);
-            *sine -= unit(sum[1]);
+    /// The reference of a section, the rotation of the bins, and what their powers are multiplied with.
+    const fn tables(samples: usize, cycles: usize) -> ([[i32; 2]; M], [[i16; 2]; P], [f32; MOST_BINS]) {
+        let (mut reference, mut rotation, mut gain) = ([[0; 2]; M], [[0; 2]; P], [0.0; MOST_BINS]);
+        let mut sum = [0; 2];
+        let mut index = 0;
+        while index < samples && index < M {
+            let [cosine, sine] = turned(index * cycles, samples, REFERENCE);
+            reference[index] = [cosine as i32, sine as i32];
+            sum = [sum[0] + reference[index][0], sum[1] + reference[index][1]];
+            index += 1;
         }
+        // What rounding left of its mean: a unit from each of the first entries.
+        index = 0;
+        while index < 2 * M {
+            let (entry, part) = (index / 2, index % 2);
+            if entry < sum[part].unsigned_abs() as usize {
+                reference[entry][part] -= sum[part].signum();
+            }
+            index += 1;
+        }
+        index = 0;
+        while index < P {
+            rotation[index] = turned(index, P, ROTATION);
+            index += 1;
+        }
+        index = 0;
+        while index < MOST_BINS {
+            gain[index] = 1.0 / Self::droop_square((index as i32 - Self::REACH) as f32);
+            index += 1;
+        }
+        (reference, rotation, gain)
     }
 
     /// The section, of at least half of `M` samples, whose reference is nearest to the resonance: samples and periods. At two
     /// section rates or above there is one.
-    fn section(rate: f32, frequency: f32) -> (usize, usize) {
+    const fn section(rate: f32, frequency: f32) -> (usize, usize) {
         let (mut least, mut best) = (f32::INFINITY, (M, 2));
-        for samples in M.div_ceil(2)..=M {
+        let mut samples = M.div_ceil(2);
+        while samples <= M {
             let periods = frequency * real(samples) / rate;
             let cycles = (periods + 0.5) as usize;
             let off = (real(cycles) * rate / real(samples) - frequency).abs();
@@ -187,31 +195,34 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
             if cycles >= 2 && off <= least {
                 (least, best) = (off, (samples, cycles));
             }
+            samples += 1;
         }
         best
     }
 
     /// Samples in a block.
     #[must_use]
-    pub fn block(&self) -> usize {
+    pub const fn block(&self) -> usize {
         self.samples * P
     }
 
     /// Samples in a second, to a rounding.
     #[must_use]
-    pub fn rate(&self) -> f32 {
+    pub const fn rate(&self) -> f32 {
         self.bin_hz * real(P) * real(self.samples)
     }
 
     /// Frequency of the lowest and of the highest bin in Hz.
     #[must_use]
-    pub fn band(&self) -> [f32; 2] {
-        [-Self::REACH, Self::REACH].map(|bin| self.reference_hz + f32::from_i32(bin) * self.bin_hz)
+    pub const fn band(&self) -> [f32; 2] {
+        let reach = Self::REACH as f32 * self.bin_hz;
+        [self.reference_hz - reach, self.reference_hz + reach]
     }
 
-    /// The frequencies of the bins in Hz.
-    pub(crate) fn frequencies(&self) -> impl Iterator<Item = f32> {
-        (-Self::REACH..=Self::REACH).map(|bin| self.reference_hz + f32::from_i32(bin) * self.bin_hz)
+    /// Bins, and the frequency of one of them in Hz, the lowest first.
+    pub(crate) const BINS: usize = P / 2 + 1;
+    pub(crate) const fn bin_frequency(&self, index: usize) -> f32 {
+        self.reference_hz + (index as i32 - Self::REACH) as f32 * self.bin_hz
     }
 
     /// Frequency of the reference in Hz.
@@ -331,7 +342,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
     }
 
     /// Square of the attenuation of a section at a distance of `bins` from the reference.
-    fn droop_square(bins: f32) -> f32 {
+    const fn droop_square(bins: f32) -> f32 {
         let droop = sinc(bins / real(P));
         droop * droop
     }
@@ -381,30 +392,28 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
 }
 
 /// A count as a number.
-fn real(count: usize) -> f32 {
-    f32::from_u32(count as u32)
+const fn real(count: usize) -> f32 {
+    count as f32
 }
 
 /// The largest whole number that is not above `number`, which is within a thousand of 0.
-fn floor(number: f32) -> i32 {
+const fn floor(number: f32) -> i32 {
     (number + 1024.0) as i32 - 1024
 }
 
 /// Cosine and minus sine of `part/whole` turns, times `unit`, rounded.
-#[inline(never)]
-fn turned(part: usize, whole: usize, unit: f32) -> [i16; 2] {
-    // The upper word of the phase is enough.
-    let (part, step) =
-        (part.checked_rem(whole).unwrap_or(0), u32::MAX.checked_div(whole as u32).unwrap_or(0));
-    let phase = u64::from(part as u32 * step) << 32;
-    let round = |number: f32| (number * unit + 4096.5) as i32 - 4096;
-    let cosine: f32 = Polynomial::cosine_of_turns(phase);
-    let sine: f32 = Polynomial::sine_of_turns(phase);
-    [round(cosine) as i16, round(-sine) as i16]
+const fn turned(part: usize, whole: usize, unit: f32) -> [i16; 2] {
+    let (Some(part), Some(step)) = (part.checked_rem(whole), u32::MAX.checked_div(whole as u32)) else {
+        return [0; 2];
+    };
+    let phase = (part as u32).wrapping_mul(step);
+    let cosine = sine_of_phase(phase.wrapping_add(1 << 30)) * unit;
+    let sine = -sine_of_phase(phase) * unit;
+    [((cosine + 4096.5) as i32 - 4096) as i16, ((sine + 4096.5) as i32 - 4096) as i16]
 }
 
 /// `sin(πx)/(πx)` to 10⁻⁴ for |x| up to 0.6, by its series.
-fn sinc(x: f32) -> f32 {
+const fn sinc(x: f32) -> f32 {
     let y = x * x;
     1.0 - y * (1.644_934 - y * (0.811_742_4 - y * (0.190_751_8 - y * 0.026_147_8)))
 }

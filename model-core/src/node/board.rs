@@ -1,7 +1,7 @@
 //! What a node needs of the hardware, and a loop over it.
 
 use super::{Finding, Gap, Progress, Task, Tier, Wake};
-use crate::snapshot::{SnapshotError, image_size, newest_slot, read_image, save_image};
+use crate::snapshot::{NUMBERED, SnapshotError, image_size, newest_slot, number, read_image, save_image};
 
 /// The hardware of a node.
 ///
@@ -37,7 +37,7 @@ pub trait Board {
     /// Carries an action out.
     fn run(&mut self, action: usize);
 
-    /// Copies the front of a slot of non-volatile memory, 0 or 1, to `bytes`.
+    /// Copies the front of a slot of non-volatile memory, 0 or 1, to `bytes`: an image, or its head.
     fn read_slot(&mut self, slot: usize, bytes: &mut [u8]);
 
     /// Writes `bytes` to the front of a slot of non-volatile memory. A write that is interrupted may leave any bytes.
@@ -247,7 +247,7 @@ where
         }
         let (newest, taken) = match self.newest {
             Some(newest) => newest,
-            None => self.look_for_newest(buffer),
+            None => self.take_newest(buffer, true).unwrap_or((0, 1)),
         };
         let (sequence, slot) = (newest.wrapping_add(1), 1 - taken.min(1));
         let size = save_image(self.node, &self.state, sequence, buffer).map_err(SaveError::Buffer)?;
@@ -262,17 +262,20 @@ where
         Ok(sequence)
     }
 
-    /// Number and slot of the newest image of this node; number 0 in the second slot without one.
-    fn look_for_newest(&mut self, buffer: &mut [u8]) -> (u32, usize) {
-        self.newest_in_slots(buffer).unwrap_or((0, 1))
-    }
-
-    /// Number and slot of the newest image of this node.
-    fn newest_in_slots(&mut self, buffer: &mut [u8]) -> Result<(u32, usize), SnapshotError> {
-        let numbers = [self.sequence_in(0, buffer), self.sequence_in(1, buffer)];
-        let slot = newest_slot(numbers)?;
-        let [first, second] = numbers;
-        Ok((if slot == 0 { first } else { second }?, slot))
+    /// Reads the newest image of this node to the state; gives its number and slot. Without one, or if it `is_kept`, the state stays.
+    #[inline(never)]
+    fn take_newest(&mut self, buffer: &mut [u8], is_kept: bool) -> Result<(u32, usize), SnapshotError> {
+        let state = self.state;
+        let numbers = [0, 1].map(|slot| {
+            let mut head = [0; NUMBERED];
+            self.board.read_slot(slot, &mut head);
+            number(&head)
+        });
+        let newest = newest_slot(numbers, |slot| self.take_image(slot, buffer));
+        if is_kept || newest.is_err() {
+            self.state = state;
+        }
+        newest
     }
 
     /// Reads the image in a slot to the state; gives its number. Of an image that is not valid the state has no meaning.
@@ -280,17 +283,6 @@ where
     fn take_image(&mut self, slot: usize, buffer: &mut [u8]) -> Result<u32, SnapshotError> {
         self.board.read_slot(slot, buffer);
         read_image(self.node, buffer, &mut self.state)
-    }
-
-    /// As [`Runner::take_image`]; the state stays if the image is not valid.
-    #[inline(never)]
-    fn continue_from(&mut self, slot: usize, buffer: &mut [u8]) -> Result<u32, SnapshotError> {
-        let state = self.state;
-        let sequence = self.take_image(slot, buffer);
-        if sequence.is_err() {
-            self.state = state;
-        }
-        sequence
     }
 
     /// Number of the image in a slot, if it is valid.
@@ -310,8 +302,7 @@ where
     #[cold]
     #[inline(never)]
     pub fn resume(&mut self, buffer: &mut [u8], gap: Gap) -> Result<u32, SnapshotError> {
-        let (_, slot) = self.newest_in_slots(buffer)?;
-        let sequence = self.continue_from(slot, buffer)?;
+        let (sequence, slot) = self.take_newest(buffer, false)?;
         self.newest = Some((sequence, slot));
         self.is_sampling = false;
         let is_known = gap == Gap::OnUntil(N::second(&self.state));

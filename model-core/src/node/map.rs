@@ -26,12 +26,11 @@ use super::voltage::{Beside, Told};
 use super::{Gap, HOUR, Progress, Task, Tier, VoltageNode, VoltageState, Wake, real};
 use crate::energy::ResponseMap;
 use crate::energy::response_map::Words;
-use crate::excitation::{LineBank, LineBankState, MOST_SAMPLES};
+use crate::excitation::{LineBank, LineBankState};
 use crate::scalar::Scalar;
-use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
+use crate::snapshot::{Configuration, Fingerprint, Reader, Snapshot, Writer, snapshot_fields};
 use finding::{Blocks, Motion};
 use income::{Held, ModelledEnergy};
-use parameters::{MOST_BLOCKS, MOST_START_UP};
 
 /// Seconds after its end at which a burst that is not complete is given up.
 const GRACE: u32 = 2;
@@ -88,7 +87,7 @@ pub struct MapState<const P: usize, const ACTIONS: usize> {
 }
 
 /// A burst under way.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Burst<const P: usize> {
     bank: LineBankState<P>,
     blocks: Blocks,
@@ -97,9 +96,16 @@ struct Burst<const P: usize> {
     missing: u32,
 }
 
-snapshot_fields!(impl [const P: usize] Burst<P> { bank, blocks, start_up, missing } if |burst| {
-    burst.start_up <= MOST_START_UP && burst.missing <= MOST_BLOCKS * MOST_SAMPLES as u32 * P as u32
-});
+/// It is not in an image, which is of half the size then: after a reset it has no value.
+impl<const P: usize> Snapshot for Burst<P> {
+    const BYTES: usize = 0;
+
+    fn write(&self, _: &mut Writer<'_>) {}
+
+    fn read(_: &mut Reader<'_>) -> Self {
+        Self::default()
+    }
+}
 
 snapshot_fields!(impl [const P: usize, const ACTIONS: usize] MapState<P, ACTIONS> {
     voltage, burst, held, interval, hour, gain, of_gain, contradictions, is_doubtful, of_draw, is_rest, told, untold, is_between, motion, since, bursts, misses, is_asked,
@@ -153,23 +159,30 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
     /// # Errors
     /// The first parameter outside its bounds, a sensor with another rate than that of the bank, or a map that has none of
     /// the frequencies of the bank.
-    #[cold]
-    #[inline(never)]
-    pub fn new(
+    pub const fn new(
         map: ResponseMap<W>,
         bank: LineBank<M, P>,
         parameters: MapParameters<ACTIONS>,
     ) -> Result<Self, NodeError> {
-        let voltage = parameters.voltage.build()?;
+        let voltage = match parameters.voltage.build() {
+            Ok(voltage) => voltage,
+            Err(error) => return Err(NodeError::Parameter(error)),
+        };
         if let Some(error) = parameters.first_outside() {
-            return Err(error.into());
+            return Err(NodeError::Parameter(error));
         }
-        parameters.check_rate(bank.rate())?;
-        if !bank.frequencies().any(|frequency| map.has_frequency(frequency)) {
-            return Err(NodeError::Band { band: bank.band() });
+        if let Some(error) = parameters.other_rate(bank.rate()) {
+            return Err(NodeError::Bank(error));
+        }
+        let mut bin = 0;
+        while !map.has_frequency(bank.bin_frequency(bin)) {
+            bin += 1;
+            if bin == LineBank::<M, P>::BINS {
+                return Err(NodeError::Band { band: bank.band() });
+            }
         }
         let samples = bank.block() as u32 * parameters.sensor.blocks;
-        let duration = (real(samples + parameters.sensor.start_up) / parameters.sensor.rate) as u32 + 1;
+        let duration = ((samples + parameters.sensor.start_up) as f32 / parameters.sensor.rate) as u32 + 1;
         Ok(Self { voltage, map, bank, parameters, samples, duration })
     }
 
@@ -313,8 +326,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
     /// Begins a burst.
     fn begin(&self, state: &mut MapState<P, ACTIONS>) -> Wake {
         let start_up = self.parameters.sensor.start_up;
-        state.burst =
-            Burst { bank: self.bank.start(), blocks: Blocks::default(), start_up, missing: self.samples };
+        state.burst = Burst { start_up, missing: self.samples, ..Burst::default() };
         (state.since, state.is_asked) = (0, false);
         state.bursts = state.bursts.saturating_add(1);
         self.voltage.spend(&mut state.voltage, self.parameters.bursts.energy);
@@ -335,7 +347,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
     /// Takes in what a whole burst says.
     #[inline(never)]
     fn take(&self, state: &mut MapState<P, ACTIONS>, voltage: f32) -> Finding {
-        let modelled = state.burst.blocks.modelled(&self.map, voltage);
+        let modelled = core::mem::take(&mut state.burst).blocks.modelled(&self.map, voltage);
         let (finding, yielded) = match modelled.finding {
             Finding::Line | Finding::Broadband | Finding::Rest => (modelled.finding, modelled.lower),
             Finding::TwoMotions => self.decide(state, &modelled),
@@ -389,7 +401,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
 
     /// The samples of a burst under way are lost.
     fn give_up(&self, state: &mut MapState<P, ACTIONS>) {
-        state.burst.missing = 0;
+        state.burst = Burst::default();
         self.miss(state);
     }
 
@@ -405,10 +417,9 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> Tier for Ma
     const BURSTS: bool = true;
 
     fn start(&self, second: u32) -> MapState<P, ACTIONS> {
-        let burst = Burst { bank: self.bank.start(), blocks: Blocks::default(), start_up: 0, missing: 0 };
         MapState {
             voltage: self.voltage.start(second),
-            burst,
+            burst: Burst::default(),
             held: Held::default(),
             interval: ModelledEnergy::default(),
             hour: ModelledEnergy::default(),

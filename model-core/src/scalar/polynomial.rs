@@ -66,6 +66,15 @@ fn sine_of_turns<S: Scalar, const N: usize>(phase: u64, coefficients: &[S; N]) -
     turns * horner(coefficients, turns * turns)
 }
 
+/// The sine of a phase in 2⁻³² turns, with the bits of [`Polynomial`], also at compile time.
+pub(crate) const fn sine_of_phase(phase: u32) -> f32 {
+    let signed = phase.cast_signed();
+    let folded = if phase.wrapping_add(1 << 30) >> 31 == 0 { signed } else { i32::MIN.wrapping_sub(signed) };
+    let turns = folded as f32 * (0.5 / 2_147_483_648.0);
+    let (square, [a, b, c, d, e]) = (turns * turns, SINE_F32);
+    turns * ((((e * square + d) * square + c) * square + b) * square + a)
+}
+
 /// `e^x = 2^n e^r` with |r| ≤ ln 2 / 2. `n ln 2` is subtracted in two parts, so that `r` keeps its digits.
 #[inline]
 fn exponential<S: Scalar, const N: usize>(

@@ -37,14 +37,17 @@ impl Checksum {
 
     /// Not inlined: a fingerprint calls it for each number, and runs for an image only.
     #[inline(never)]
-    fn include(&mut self, bytes: &[u8]) {
-        let four = |remainder: u32| (remainder >> 4) ^ TABLE[(remainder & 15) as usize];
-        for byte in bytes {
-            self.0 = four(four(self.0 ^ u32::from(*byte)));
+    const fn include(&mut self, bytes: &[u8]) {
+        let mut bytes = bytes;
+        while let [byte, rest @ ..] = bytes {
+            let remainder = self.0 ^ *byte as u32;
+            let remainder = (remainder >> 4) ^ TABLE[(remainder & 15) as usize];
+            self.0 = (remainder >> 4) ^ TABLE[(remainder & 15) as usize];
+            bytes = rest;
         }
     }
 
-    fn value(self) -> u32 {
+    const fn value(self) -> u32 {
         !self.0
     }
 }
@@ -85,14 +88,18 @@ impl Fingerprint {
         }
     }
 
+    pub(crate) const fn bytes(&mut self, bytes: &[u8]) {
+        self.0.include(bytes);
+    }
+
     /// Includes a count or a choice.
     pub(crate) fn count(&mut self, count: u32) {
-        self.0.include(&count.to_le_bytes());
+        self.bytes(&count.to_le_bytes());
     }
 
     /// The number.
     #[must_use]
-    pub fn value(self) -> u32 {
+    pub const fn value(self) -> u32 {
         self.0.value()
     }
 }

@@ -106,31 +106,35 @@ pub fn newest_image<C: Configuration>(
     slots: [&[u8]; 2],
 ) -> Result<Image<C::State>, SnapshotError> {
     let fingerprint = fingerprint(configuration);
-    // The one that is ahead by what it says is most often valid: the other one is then not read.
-    let number = |bytes: &[u8]| {
-        bytes.get(HEAD..).and_then(|state| state.first_chunk().copied()).map_or(0, u32::from_le_bytes)
-    };
-    let ahead = usize::from(is_later(number(slots[1]), number(slots[0])));
-    let read = |slot: usize| {
-        let bytes = slots.get(slot).copied().unwrap_or(&[]);
-        let (sequence, state) = restore(fingerprint, bytes)?;
-        Ok(Image { state, sequence, slot })
-    };
-    read(ahead).or_else(|error| {
-        read(1 - ahead).map_err(|other| {
-            let errors = if ahead == 0 { [error, other] } else { [other, error] };
-            newest_slot(errors.map(Err)).err().unwrap_or(error)
-        })
-    })
+    let ((sequence, state), slot) =
+        newest_slot(slots.map(number), |slot| restore(fingerprint, slots.get(slot).copied().unwrap_or(&[])))?;
+    Ok(Image { state, sequence, slot })
 }
 
-/// The slot with the later number, by what was read of each.
-pub(crate) fn newest_slot(numbers: [Result<u32, SnapshotError>; 2]) -> Result<usize, SnapshotError> {
-    match numbers {
-        [Ok(first), Ok(second)] => Ok(usize::from(is_later(second, first))),
-        [Ok(_), Err(_)] => Ok(0),
-        [Err(_), Ok(_)] => Ok(1),
-        [Err(SnapshotError::NotASnapshot), Err(error)] | [Err(error), Err(_)] => Err(error),
+/// Bytes from the front of an image with its number.
+pub(crate) const NUMBERED: usize = HEAD + u32::BYTES;
+
+/// The number of what may be an image.
+pub(crate) fn number(bytes: &[u8]) -> u32 {
+    bytes.get(HEAD..).and_then(|state| state.first_chunk().copied()).map_or(0, u32::from_le_bytes)
+}
+
+/// What is read of the newest valid image of two slots, which have these numbers, and its slot. The one that is ahead is most often
+/// valid: the other one is then not read.
+pub(crate) fn newest_slot<T>(
+    [first, second]: [u32; 2],
+    mut read: impl FnMut(usize) -> Result<T, SnapshotError>,
+) -> Result<(T, usize), SnapshotError> {
+    let ahead = usize::from(is_later(second, first));
+    let mut errors = [SnapshotError::NotASnapshot; 2];
+    for slot in [ahead, 1 - ahead] {
+        match read(slot) {
+            Ok(found) => return Ok((found, slot)),
+            Err(error) => errors[slot % 2] = error,
+        }
+    }
+    match errors {
+        [SnapshotError::NotASnapshot, error] | [error, _] => Err(error),
     }
 }
 

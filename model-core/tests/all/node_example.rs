@@ -1,12 +1,13 @@
-//! The map of the example of a node.
+//! The example of a node: its map, and what is made at compile time.
 
 #[allow(dead_code, reason = "the example's own output")]
 #[path = "../../examples/node.rs"]
 mod node;
 
 use model_core::energy::ResponseMap;
+use model_core::energy::response_map::MapError;
 use model_core::excitation::LineBank;
-use model_core::node::{Finding, Modelled};
+use model_core::node::{Finding, MapNode, Modelled};
 
 #[test]
 fn a_sensor_that_is_exactly_still_is_at_rest_as_a_noisy_one_is() {
@@ -34,4 +35,18 @@ fn a_sensor_that_is_exactly_still_is_at_rest_as_a_noisy_one_is() {
             assert!(modelled.lower.value == 0.0 && modelled.lower.noise > 0.0, "{modelled:?}");
         }
     }
+}
+
+#[test]
+fn a_node_in_flash_is_that_made_at_run_time() {
+    let map = ResponseMap::new(&node::map::MAP[..], node::map::FINGERPRINT).expect("a map");
+    let [rate, resonance, half, unit] =
+        std::hint::black_box([100.0, node::map::RESONANCE_HZ, node::map::HALF_BANDWIDTH_HZ, 9.806_65e-3]);
+    let bank = LineBank::new(rate, resonance, half, unit).expect("in bounds");
+    assert_eq!(node::NODE, MapNode::new(map, bank, *node::NODE.parameters()).expect("in bounds"));
+    let mut words = node::map::MAP;
+    words[500] ^= 1;
+    assert_eq!(ResponseMap::of_words(&words, node::map::FINGERPRINT), Err(MapError::Corrupt));
+    let short = ResponseMap::of_words(&words[..40], node::map::FINGERPRINT);
+    assert_eq!(short, Err(MapError::TooShort { needed: words.len(), given: 40 }));
 }

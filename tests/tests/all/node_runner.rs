@@ -180,7 +180,7 @@ impl Board for Bench {
     fn read_slot(&mut self, slot: usize, bytes: &mut [u8]) {
         bytes.copy_from_slice(&self.slots[slot][..bytes.len()]);
         if self.memory == Memory::Garbles {
-            bytes[40] ^= 1;
+            bytes[bytes.len() / 2] ^= 1;
         }
     }
 

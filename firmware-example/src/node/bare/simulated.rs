@@ -4,13 +4,13 @@
 use core::cell::UnsafeCell;
 use core::hint::black_box;
 
-use model_core::node::{Gap, Task, Tier, VoltageNode, VoltageState, Wake};
+use model_core::node::{Gap, Task, Tier, VoltageNode, Wake};
 use model_core::snapshot::{image_size, newest_image, save_image};
 
-use super::{BY_VOLTAGE, PAGE, Register, Registers, made, run};
+use super::{BY_VOLTAGE, PAGE, Register, Registers, run};
 use crate::counter::Counter;
 use crate::node::IMAGE_BYTES;
-use crate::node::parts::{ACTIONS, ExampleNode, ExampleState, NODE, RATE};
+use crate::node::parts::{ACTIONS, BURST, NODE, Part, RATE};
 use crate::stack;
 use crate::stop::{Code, stop};
 
@@ -20,7 +20,9 @@ const LIVES: u32 = 2;
 /// Bytes of an image of the node by the voltage alone.
 const VOLTAGE_BYTES: usize = image_size::<VoltageNode<ACTIONS>>();
 /// Readings whose ticks are counted.
-const READINGS: u64 = 500;
+const READINGS: u32 = 500;
+/// Counts of a line at a fifth of the rate.
+const LINE: [i16; 5] = [1030, 1030, 1030, 955, 955];
 /// Codes by which an action lowers the storage, some 0.3 and 7 mJ of 47 mF.
 const DRAWN: [u32; ACTIONS] = [2, 36];
 /// Codes of the lowest and of the full storage: 2.2 V and 4.5 V of 5 V.
@@ -178,67 +180,87 @@ impl Registers for Simulated {
     }
 }
 
-/// Runs the program, and logs its deepest stack and what of it is known by its type, in bytes; then the ticks of its calls.
+/// Runs the program, and logs its deepest stack and what of it is known by its type, in bytes; then each kind of call.
 pub fn measure() -> ! {
     stack::paint();
     for life in 1..=LIVES {
         run::<Simulated>(|second| second >= life * LIFE);
     }
-    let stack = stack::deepest() as usize;
+    let stack = stack::deepest();
     if BY_VOLTAGE {
-        // In flash.
-        bytes(stack, [0, size_of::<VoltageState<ACTIONS>>(), VOLTAGE_BYTES]);
-        calls::<_, VOLTAGE_BYTES>(|| NODE);
+        calls::<_, VOLTAGE_BYTES>(&NODE, stack);
     } else {
-        bytes(stack, [size_of::<ExampleNode>(), size_of::<ExampleState>(), IMAGE_BYTES]);
-        calls::<_, IMAGE_BYTES>(made);
+        calls::<_, IMAGE_BYTES>(Part::TARGET.node(), stack);
     }
     stop(Code::Done)
 }
 
-fn bytes(stack: usize, [node, state, image]: [usize; 3]) {
-    for (name, bytes) in [("stack", stack), ("node", node), ("state", state), ("image", image)] {
-        defmt::info!("bytes {=str} {=usize}", name, bytes);
+/// Calls of a kind.
+#[derive(Clone, Copy, Default)]
+struct Calls {
+    number: u32,
+    ticks: u64,
+    largest: u64,
+    stack: u32,
+}
+
+impl Calls {
+    fn time(&mut self, counter: &Counter, mut call: impl FnMut()) {
+        stack::paint();
+        let before = counter.ticks();
+        call();
+        let ticks = counter.ticks() - before;
+        self.number += 1;
+        self.ticks += ticks;
+        self.largest = self.largest.max(ticks);
+        self.stack = self.stack.max(stack::deepest());
     }
 }
 
-/// Logs the ticks of a boot from an image, of a reading in the mean, and of the largest call.
-fn calls<N: Tier<State: Copy>, const IMAGE: usize>(make: impl Fn() -> N) {
+/// Logs the sizes of the node, and what each call that a firmware makes of it takes: number, ticks of all, ticks of the largest, and
+/// stack. What it takes itself is not of the program.
+#[inline(never)]
+fn calls<N: Tier<State: Copy>, const IMAGE: usize>(node: &N, stack: u32) {
     let Some(peripherals) = cortex_m::Peripherals::take() else { stop(Code::Faulted) };
-    let counter = Counter::start(peripherals.SYST);
-    let mut largest = 0;
-    let mut ticks = |call: &mut dyn FnMut()| {
-        let before = counter.ticks();
-        call();
-        let took = counter.ticks() - before;
-        largest = took.max(largest);
-        took
-    };
-    let node = make();
-    let (mut state, mut image) = (node.start(0), [0; IMAGE]);
-    let (mut readings, mut spent, mut second) = (0, 0, 0);
-    let mut wake = Wake { task: Task::Sleep, again_in: 0, read: true };
-    while readings < READINGS {
-        if let Task::Burst { samples } = wake.task {
-            for _ in 0..samples.div_ceil(128) {
-                ticks(&mut || _ = black_box(node.samples(&mut state, &black_box([1000; 128]))));
-            }
-        }
-        second += wake.again_in;
-        let code = wake.read.then(|| 2600 + second / 200 % 400);
-        let took = ticks(&mut || wake = node.wake(&mut state, second, black_box(code)));
-        if code.is_some() {
-            (readings, spent) = (readings + 1, spent + took);
-        }
+    let counter = &Counter::start(peripherals.SYST);
+    for (name, bytes) in [("stack", stack as usize), ("state", size_of::<N::State>()), ("image", IMAGE)] {
+        defmt::info!("bytes {=str} {=usize}", name, bytes);
     }
-    ticks(&mut || _ = black_box(save_image(&node, &state, 1, &mut image)));
-    let boot = ticks(&mut || {
-        let node = make();
-        let resumed = newest_image(&node, [&image, &image]);
+    let [mut nothing, mut boot, mut reading, mut other, mut samples, mut block, mut image] =
+        [Calls::default(); 7];
+    nothing.time(counter, || ());
+    let (mut state, mut bytes, mut second) = (node.start(0), [0; IMAGE], 0);
+    let mut wake = Wake { task: Task::Sleep, again_in: 0, read: true };
+    while reading.number < READINGS {
+        if let Task::Burst { samples: mut left } = wake.task {
+            while left > 0 {
+                let line = core::array::from_fn::<_, 128, _>(|n| LINE[(n + left as usize) % LINE.len()]);
+                let kind = if left > 128 { &mut samples } else { &mut block };
+                kind.time(counter, || _ = black_box(node.samples(&mut state, black_box(&line))));
+                left = left.saturating_sub(128);
+            }
+            second += BURST / RATE;
+        }
+        second += if let Task::Burst { .. } = wake.task { 0 } else { wake.again_in };
+        let code = wake.read.then(|| 2600 + second / 200 % 400);
+        let kind = if code.is_some() { &mut reading } else { &mut other };
+        kind.time(counter, || wake = node.wake(&mut state, second, black_box(code)));
+    }
+    image.time(counter, || _ = black_box(save_image(node, &state, 1, &mut bytes)));
+    boot.time(counter, || {
+        let resumed = newest_image(node, [&bytes, &bytes]);
         state = resumed.map_or(node.start(second), |image| image.state);
         wake = node.wake_after(&mut state, Gap::OnUntil(second), None);
     });
-    for (name, ticks) in [("boot", boot), ("reading", spent / READINGS), ("largest", largest)] {
-        defmt::info!("ticks {=str} {=u64}", name, ticks);
+    for (name, of) in [
+        ("boot", boot),
+        ("reading", reading),
+        ("wake", other),
+        ("samples", samples),
+        ("block", block),
+        ("image", image),
+    ] {
+        let stack = of.stack.saturating_sub(nothing.stack);
+        defmt::info!("call {=str} {=u32} {=u64} {=u64} {=u32}", name, of.number, of.ticks, of.largest, stack);
     }
 }

@@ -13,7 +13,7 @@ use super::estimate_energy::{UNCONFIRMED, marked, parts};
 use super::output::Output;
 use crate::on_target::Error;
 use crate::on_target::core::Core;
-use crate::on_target::node::{self, Bare, Followed, calls};
+use crate::on_target::node::{self, Bare, Call, Followed, calls};
 
 /// Runs the node of each core.
 ///
@@ -25,7 +25,6 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
         announce(core);
         let found = node::follow(core, limit)?;
         hours(core, &found, output);
-        counted(core, &found, output);
         let shares = knowing(core, &found, output);
         tier(core, "map", &found.bare, &shares, output);
         let bare = node::bare(core, true, limit)?;
@@ -116,7 +115,7 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
     let inside = hours.iter().filter(|hour| hour.is_inside()).count();
     let [readings, bursts] = last.instruments;
     let [measured, transmitted] = last.ran;
-    let Bare { size: bare, memory, .. } = found.bare;
+    let Bare { size: bare, memory, .. } = &found.bare;
     let ram = bare.static_ram + memory.stack;
     let note = format!(
         "{core}. Income in uW until that time of the day, told with its bound, and that of the plant. Inside: {inside} of {} hours, of which
@@ -124,7 +123,7 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
 By its own books the node spent {:.2} % of the income on knowing it.
 {} losses of power; after each the node came to the same bits. Each logged value has the host's bits.
 The node on a board takes {} bytes of flash, map included, and two pages for images of {IMAGE_BYTES} bytes. RAM: {} bytes, of which
-static {}, node {}, state {}, image {}; the rest is stack.
+static {}, state {}, image {}; the rest is stack.
 With the log, the simulated memory and the plant: flash {}, static RAM {}, stack {}.",
         hours.len(),
         with_income.count(),
@@ -133,7 +132,6 @@ With the log, the simulated memory and the plant: flash {}, static RAM {}, stack
         bare.flash,
         ram,
         bare.static_ram,
-        memory.node,
         memory.state,
         memory.image,
         found.size.flash,
@@ -155,7 +153,6 @@ With the log, the simulated memory and the plant: flash {}, static RAM {}, stack
         "ram_bytes_with_plant": found.size.static_ram,
         "stack_bytes": memory.stack,
         "ram_with_stack_bytes": ram,
-        "node_bytes": memory.node,
         "state_bytes": memory.state,
         "stack_bytes_with_plant": found.stack,
         "image_bytes": IMAGE_BYTES,
@@ -166,43 +163,6 @@ With the log, the simulated memory and the plant: flash {}, static RAM {}, stack
     output.object(day);
 }
 
-/// Prints the instructions of each call.
-fn counted(core: Core, found: &Followed, output: &mut Output) {
-    let name = |work: &str| match work {
-        "reading" => "wake with a reading of the voltage",
-        "wake" => "wake without one",
-        "action" => "wake after an action",
-        "samples" => "samples of a burst",
-        "burst" => "the last samples of a block, its look-up, and the wake after it",
-        _ => "?",
-    };
-    let called = || found.counted.iter().filter(|counted| counted.calls > 0.0);
-    let rows = called().map(|counted| {
-        let each = counted.instructions / counted.calls;
-        let samples = counted.samples / counted.calls;
-        vec![
-            name(&counted.work).to_owned(),
-            format!("{:.0}", counted.calls),
-            if samples > 0.0 { format!("{samples:.1}") } else { String::new() },
-            format!("{each:.0}"),
-        ]
-    });
-    let note = format!(
-        "{core}. Instructions of the calls of the node, without those of its board, with the calls that losses of power repeat."
-    );
-    output.table(vec!["call", "number", "samples in it", "instructions"], rows.collect(), 1, &note);
-    for counted in called() {
-        output.object(json!({
-            "core": core.to_string(),
-            "variant": "node",
-            "case": counted.work,
-            "calls": counted.calls,
-            "samples_per_call": counted.samples / counted.calls,
-            "instructions_per_step": counted.instructions / counted.calls,
-        }));
-    }
-}
-
 /// Income in W by which the share of the node by the voltage is stated, and its readings in an hour: each five minutes, and one at
 /// the end of an hour.
 const INCOME: f64 = 2.9e-6;
@@ -210,7 +170,7 @@ const READINGS: f64 = 12.0;
 
 /// The shares of the income that the readings of a node by the voltage take, on the parts that have the core.
 fn of_voltage(core: Core, bare: &Bare) -> Vec<(&'static str, f64)> {
-    let [_, reading, _] = bare.instructions;
+    let [_, reading, _] = instructions(bare);
     let share = |part: Processor<f64>| {
         let model = CostModel::new(part, Accelerometer::adxl362());
         let computing = model.processor.computing(reading, Code::Filter);
@@ -220,9 +180,15 @@ fn of_voltage(core: Core, bare: &Bare) -> Vec<(&'static str, f64)> {
     parts(core).into_iter().map(share).collect()
 }
 
+/// Instructions of a boot, of a reading in the mean, and of the largest call.
+fn instructions(bare: &Bare) -> [f64; 3] {
+    let of = |name: &str| bare.calls.iter().find(|call| call.name == name).map_or(0.0, |call| call.counts[1]);
+    [of("boot"), of("reading"), bare.calls.iter().fold(0.0, |largest, call| call.counts[2].max(largest))]
+}
+
 /// Prints the size and the calls of a tier on a board.
 fn tier(core: Core, tier: &str, bare: &Bare, shares: &[(&'static str, f64)], output: &mut Output) {
-    let [boot, reading, largest] = bare.instructions;
+    let [boot, reading, largest] = instructions(bare);
     let ram = bare.size.static_ram + bare.memory.stack;
     let rows = shares.iter().map(|(part, share)| {
         let counts = [bare.size.flash as f64, ram as f64, boot, reading, largest];
@@ -238,6 +204,24 @@ fn tier(core: Core, tier: &str, bare: &Bare, shares: &[(&'static str, f64)], out
     );
     let header = vec!["tier", "part", "flash", "RAM", "boot", "reading", "largest call", "of the income"];
     output.table(header, rows.collect(), 2, &note);
+    let rows = bare.calls.iter().map(|call| {
+        [call.name.clone()].into_iter().chain(call.counts.map(|count| format!("{count:.0}"))).collect()
+    });
+    let note = format!(
+        "{core}, {tier}. Calls of the node: instructions in the mean and of the largest one, and stack in bytes."
+    );
+    output.table(vec!["call", "number", "mean", "largest", "stack"], rows.collect(), 1, &note);
+    for Call { name, counts: [number, mean, largest, stack] } in &bare.calls {
+        output.object(json!({
+            "tier": tier,
+            "core": core.to_string(),
+            "call": name,
+            "calls": number,
+            "mean_instructions": mean,
+            "largest_instructions": largest,
+            "call_stack_bytes": stack,
+        }));
+    }
     for (part, share) in shares {
         output.object(json!({
             "tier": tier,
@@ -292,7 +276,7 @@ fn knowing(core: Core, found: &Followed, output: &mut Output) -> Vec<(&'static s
         return Vec::new();
     }
     let note = format!(
-        "{core}. Energy in uJ by the instructions of the table above, with sensor, transfer, wake-ups and converter: {readings} readings
+        "{core}. Energy in uJ by the instructions of the day, with sensor, transfer, wake-ups and converter: {readings} readings
 and {bursts} bursts in the day. {UNCONFIRMED} marks an energy per cycle that was not confirmed."
     );
     output.table(vec!["part", "a reading", "a burst", "of the income"], rows.collect(), 1, &note);

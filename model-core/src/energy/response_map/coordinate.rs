@@ -98,9 +98,9 @@ const LEAST: u32 = (127 - AMPLITUDE_OCTAVES.cast_unsigned()) << 23;
 
 /// The level of a finite number of at least 2⁻¹⁶, by its bits.
 #[inline(always)]
-pub(super) fn level_of_bits(bits: u32) -> i32 {
-    let chord = LOGARITHM_CHORDS.get((bits >> 19 & 15) as usize).copied().unwrap_or(0);
-    let slope = i32::from(chord as i8);
+pub(super) const fn level_of_bits(bits: u32) -> i32 {
+    let chord = LOGARITHM_CHORDS[(bits >> 19 & 15) as usize];
+    let slope = chord as i8 as i32;
     let above = (slope * (bits & 0x7_ffff).cast_signed()) >> 7;
     bits.wrapping_add(chord).cast_signed().wrapping_add(above) >> 12
 }
@@ -127,10 +127,10 @@ pub(super) fn bits_of_raised(level: i32) -> u32 {
 /// A frequency in units of 2^−`shift` Hz, rounded down; `None` unless positive and below 2³⁰ units.
 #[inline]
 #[must_use]
-pub fn fixed(frequency: f32, shift: i32) -> Option<u32> {
+pub const fn fixed(frequency: f32, shift: i32) -> Option<u32> {
     let bits = frequency.to_bits();
     // Numbers that are subnormal, negative or not finite.
-    if !(0x0080_0000..f32::INFINITY.to_bits()).contains(&bits) {
+    if bits < f32::MIN_POSITIVE.to_bits() || bits >= f32::INFINITY.to_bits() {
         return None;
     }
     // Of the leading bit above bit 31: the mantissa lies at the upper end.
@@ -143,7 +143,7 @@ pub fn fixed(frequency: f32, shift: i32) -> Option<u32> {
 
 /// A normal number in units, by its bits: its mantissa at the upper end of a word, moved `right` by up to 31.
 #[inline(always)]
-pub(super) fn fixed_of_bits(bits: u32, right: u32) -> u32 {
+pub(super) const fn fixed_of_bits(bits: u32, right: u32) -> u32 {
     (bits << 8 | 1 << 31).wrapping_shr(right)
 }
 
@@ -158,13 +158,13 @@ pub fn detuning(distance: i32, slope: u32) -> i32 {
 
 /// As [`detuning`] within those bounds, without a meaning beyond.
 #[inline]
-pub(super) fn detuning_within(distance: i32, slope: u32) -> i32 {
+pub(super) const fn detuning_within(distance: i32, slope: u32) -> i32 {
     // Half-bandwidths and one more, in 2⁻²⁴: 1 has seven leading zeros.
     let beside = distance.unsigned_abs().wrapping_mul(slope).wrapping_add(1 << 24);
     let zeros = beside.leading_zeros();
     let top = beside.wrapping_shl(zeros);
     let index = (top >> 28).wrapping_sub(8 * zeros) % 64;
-    let chord = ARSINH_CHORDS.get(index as usize).copied().unwrap_or(0);
+    let chord = ARSINH_CHORDS[index as usize];
     let magnitude = ((chord >> 16) + (((chord & 0xffff) * (top << 4 >> 23) + 256) >> 9)).cast_signed();
     if distance < 0 { -magnitude } else { magnitude }
 }
@@ -179,6 +179,24 @@ pub struct Spacing {
 }
 
 impl Spacing {
+    /// Of a word of a map.
+    pub(super) const fn of(word: u16) -> Self {
+        Self { shift: (word & 0xff) as u32, bits: (word >> 8) as u32 }
+    }
+
+    /// Whether a map may have it.
+    pub(super) const fn is_stored(self) -> bool {
+        1 <= self.bits && self.bits <= 2 && self.bits <= self.shift && self.shift <= 12
+    }
+
+    /// Distance of the last of some rows from the boundary, in levels; the largest one without rows.
+    pub(super) const fn reach(self, rows: u32) -> i32 {
+        match rows.checked_sub(1) {
+            Some(last) => row_distance(last, self).cast_signed(),
+            None => i32::MAX,
+        }
+    }
+
     /// For look-ups among rows of which the first has the number `start`.
     pub(super) const fn folded(self, start: u32) -> FoldedSpacing {
         let Self { shift, bits } = self;
@@ -226,10 +244,12 @@ pub fn row(distance: u32, Spacing { shift, bits }: Spacing) -> (u32, u32) {
 
 /// Distance of a row from the boundary, in levels: the inverse of [`row`]; `u32::MAX` from 2³² levels on.
 #[must_use]
-pub fn row_distance(row: u32, Spacing { shift, bits }: Spacing) -> u32 {
-    let (shift, bits) = (shift.min(30), bits.min(15));
-    let start = 1_u32.checked_shl((row >> bits).saturating_add(shift));
-    start.map_or(u32::MAX, |start| start + (row & ((1 << bits) - 1)) * (start >> bits) - (1 << shift))
+pub const fn row_distance(row: u32, Spacing { shift, bits }: Spacing) -> u32 {
+    let (shift, bits) = (if shift < 30 { shift } else { 30 }, if bits < 15 { bits } else { 15 });
+    match 1_u32.checked_shl((row >> bits).saturating_add(shift)) {
+        Some(start) => start + (row & ((1 << bits) - 1)) * (start >> bits) - (1 << shift),
+        None => u32::MAX,
+    }
 }
 
 #[cfg(test)]

@@ -38,8 +38,8 @@
 
 use core::fmt;
 
-use super::coordinate::{Spacing, row_distance};
-use super::words::Words;
+use super::coordinate::Spacing;
+use super::words::Stored;
 use crate::snapshot::Fingerprint;
 
 /// First word of a map: `RM`.
@@ -132,10 +132,11 @@ impl fmt::Display for MapError {
 impl core::error::Error for MapError {}
 
 /// CRC-32 of the first `count` words, as little-endian bytes.
-fn checksum<W: Words>(words: W, count: usize) -> u32 {
-    let mut checksum = Fingerprint::new();
-    for index in 0..count {
-        checksum.numbers(&[words.word(index)]);
+const fn checksum(words: Stored<'_>, count: usize) -> u32 {
+    let (mut checksum, mut index) = (Fingerprint::new(), 0);
+    while index < count {
+        checksum.bytes(&words.word(index).to_le_bytes());
+        index += 1;
     }
     checksum.value()
 }
@@ -146,7 +147,7 @@ pub fn seal(words: &mut [u16]) {
     if let Some(word) = words.get_mut(2) {
         *word = u16::try_from(count).unwrap_or(0);
     }
-    let value = checksum(&*words, count.saturating_sub(TAIL));
+    let value = checksum(Stored::Words(words), count.saturating_sub(TAIL));
     if let Some([low, high]) = words.last_chunk_mut::<TAIL>() {
         [*low, *high] = [value as u16, (value >> 16) as u16];
     }
@@ -174,124 +175,113 @@ pub(super) struct Head {
 
 impl Head {
     /// First word of the columns of the slices.
-    pub(super) fn columns_from(&self) -> usize {
+    pub(super) const fn columns_from(&self) -> usize {
         HEAD + self.slices
     }
 
     /// First word of their bounds.
-    pub(super) fn parts_from(&self) -> usize {
+    pub(super) const fn parts_from(&self) -> usize {
         self.columns_from() + self.slices * COLUMNS * COLUMN_WORDS
     }
 
     /// Reads and checks a map.
-    pub(super) fn read<W: Words>(words: W, fingerprint: u32) -> Result<Self, MapError> {
-        let word = |index: usize| words.word(index);
-        let wide = |index: usize| u32::from(word(index)) | (u32::from(word(index + 1)) << 16);
-        let signed = |index: usize| i32::from(word(index).cast_signed());
-        if word(0) != MAGIC {
+    pub(super) const fn read(words: Stored<'_>, fingerprint: u32) -> Result<Self, MapError> {
+        if words.word(0) != MAGIC {
             return Err(MapError::NotAMap);
         }
-        if word(1) != VERSION {
-            return Err(MapError::ForeignVersion { version: word(1) });
+        if words.word(1) != VERSION {
+            return Err(MapError::ForeignVersion { version: words.word(1) });
         }
-        let count = usize::from(word(2));
+        let count = words.word(2) as usize;
         if words.count() < count || count < HEAD + TAIL {
             return Err(MapError::TooShort { needed: count, given: words.count() });
         }
-        if checksum(words, count - TAIL) != wide(count - TAIL) {
+        if checksum(words, count - TAIL) != wide(words, count - TAIL) {
             return Err(MapError::Corrupt);
         }
-        let spacing = |index: usize| Spacing {
-            shift: u32::from(word(index) & 0xff),
-            bits: u32::from(word(index) >> 8),
-        };
         let head = Self {
-            is_current: word(5) & CURRENT != 0,
-            slices: usize::from(word(7)),
-            resonance: wide(8).cast_signed(),
-            frequency_shift: signed(10),
-            slope: u32::from(word(11)),
-            first: signed(12),
-            span: u32::from(word(13)),
-            rows: [14, 15].map(|index| u32::from(word(index))),
-            spacings: [16, 17].map(spacing),
-            lowest: i32::from(word(18)),
-            highest: i32::from(word(19)),
-            margin: i32::from(word(20)),
-            value_octaves: signed(21),
+            is_current: words.word(5) & CURRENT != 0,
+            slices: words.word(7) as usize,
+            resonance: wide(words, 8).cast_signed(),
+            frequency_shift: words.word(10).cast_signed() as i32,
+            slope: words.word(11) as u32,
+            first: words.word(12).cast_signed() as i32,
+            span: words.word(13) as u32,
+            rows: [words.word(14) as u32, words.word(15) as u32],
+            spacings: [Spacing::of(words.word(16)), Spacing::of(words.word(17))],
+            lowest: words.word(18) as i32,
+            highest: words.word(19) as i32,
+            margin: words.word(20) as i32,
+            value_octaves: words.word(21).cast_signed() as i32,
         };
-        head.check(word(5), word(6), count)?;
-        head.check_columns(words)?;
-        head.check_bounds(words)?;
-        let of = wide(3);
+        if let Some(word) = head.malformed(words) {
+            return Err(MapError::Malformed { word });
+        }
+        let of = wide(words, 3);
         if of == fingerprint { Ok(head) } else { Err(MapError::ForeignHarvester { of }) }
     }
 
-    /// Refuses numbers with which a look-up would overflow or read beyond the map.
-    fn check(&self, flags: u16, columns: u16, count: usize) -> Result<(), MapError> {
-        let ([lower, upper], [lower_spacing, upper_spacing]) = (self.rows, self.spacings);
-        let spaced = |of: Spacing| (1..=2).contains(&of.bits) && (of.bits..=12).contains(&of.shift);
-        let has = |flag: u16, rows: u32| if flags & flag == 0 { rows == 0 } else { rows >= 2 };
-        let conditions = [
+    /// The first word with which a look-up would overflow or read beyond the map, or whose bound does not enclose the value.
+    const fn malformed(&self, words: Stored<'_>) -> Option<usize> {
+        let (flags, [lower, upper], [lower_spacing, upper_spacing]) =
+            (words.word(5), self.rows, self.spacings);
+        let has_lower = if flags & LOWER == 0 { lower == 0 } else { lower >= 2 };
+        let has_upper = if flags & UPPER == 0 { upper == 0 } else { upper >= 2 };
+        let mut conditions: &[(usize, bool)] = &[
             (5, flags & (LOWER | UPPER) != 0),
-            (6, usize::from(columns) == COLUMNS),
-            (7, (1..=16).contains(&self.slices)),
-            (8, (0..1 << 30).contains(&self.resonance)),
-            (10, (-20..=30).contains(&self.frequency_shift)),
-            (11, (1..=1 << 13).contains(&self.slope)),
+            (6, words.word(6) as usize == COLUMNS),
+            (7, 1 <= self.slices && self.slices <= 16),
+            (8, 0 <= self.resonance && self.resonance < 1 << 30),
+            (10, -20 <= self.frequency_shift && self.frequency_shift <= 30),
+            (11, 1 <= self.slope && self.slope <= 1 << 13),
             (13, self.span > 0),
-            (14, has(LOWER, lower)),
-            (15, has(UPPER, upper) && lower + upper == ROWS as u32),
-            (16, spaced(lower_spacing)),
-            (17, spaced(upper_spacing)),
+            (14, has_lower),
+            (15, has_upper && lower + upper == ROWS as u32),
+            (16, lower_spacing.is_stored()),
+            (17, upper_spacing.is_stored()),
             // Smaller numbers have no level of their own.
             (18, self.lowest > 0),
             (19, self.lowest < self.highest),
-            (20, upper > 0 || self.highest + self.margin < i32::from(NOWHERE)),
-            (21, (-80..=60).contains(&self.value_octaves)),
-            (2, self.parts_from() + self.slices * SLICE_BOUNDS + TAIL == count),
+            (20, upper > 0 || self.highest + self.margin < NOWHERE as i32),
+            (21, -80 <= self.value_octaves && self.value_octaves <= 60),
+            (2, self.parts_from() + self.slices * SLICE_BOUNDS + TAIL == words.word(2) as usize),
         ];
-        match conditions.iter().find(|(_, holds)| !holds) {
-            Some(&(word, _)) => Err(MapError::Malformed { word }),
-            None => Ok(()),
+        while let [(word, holds), rest @ ..] = conditions {
+            if !*holds {
+                return Some(*word);
+            }
+            conditions = rest;
         }
+        // Each amplitude of the map is between two rows: boundaries are not beyond them.
+        let (lower_reach, upper_reach) = (lower_spacing.reach(lower), upper_spacing.reach(upper));
+        let (mut word, end) = (self.columns_from(), self.parts_from());
+        while word < end {
+            let (rising, falling) = (words.word(word) as i32, words.word(word + 1) as i32);
+            if rising - self.lowest >= lower_reach {
+                return Some(word);
+            }
+            if (upper == 0 && falling != NOWHERE as i32) || self.highest - falling >= upper_reach {
+                return Some(word + 1);
+            }
+            word += COLUMN_WORDS;
+        }
+        while word < end + self.slices * SLICE_BOUNDS {
+            let (low, high) = (words.word(word), words.word(word + 1));
+            if low != 0 && !(factor(0.25) <= low && low <= factor(1.0)) {
+                return Some(word);
+            }
+            if !(factor(1.0) <= high && high <= factor(4.0)) {
+                return Some(word + 1);
+            }
+            word += 2;
+        }
+        None
     }
+}
 
-    /// Refuses boundaries that are beyond the rows: then each amplitude of the map is between two rows.
-    fn check_columns<W: Words>(&self, words: W) -> Result<(), MapError> {
-        let ([lower_rows, upper_rows], [lower_spacing, upper_spacing]) = (self.rows, self.spacings);
-        let reach = |rows: u32, spacing: Spacing| match rows.checked_sub(1) {
-            Some(last) => row_distance(last, spacing).cast_signed(),
-            None => i32::MAX,
-        };
-        let (lower, upper) = (reach(lower_rows, lower_spacing), reach(upper_rows, upper_spacing));
-        for word in (self.columns_from()..self.parts_from()).step_by(COLUMN_WORDS) {
-            let [rising, falling] = [word, word + 1].map(|index| i32::from(words.word(index)));
-            let is_there = upper_rows > 0 || falling == i32::from(NOWHERE);
-            if rising - self.lowest >= lower {
-                return Err(MapError::Malformed { word });
-            }
-            if !is_there || self.highest - falling >= upper {
-                return Err(MapError::Malformed { word: word + 1 });
-            }
-        }
-        Ok(())
-    }
-
-    /// Refuses bounds that do not enclose the value.
-    fn check_bounds<W: Words>(&self, words: W) -> Result<(), MapError> {
-        let end = self.parts_from() + self.slices * SLICE_BOUNDS;
-        for word in (self.parts_from()..end).step_by(2) {
-            let low = words.word(word);
-            if low != 0 && !(factor(0.25)..=factor(1.0)).contains(&low) {
-                return Err(MapError::Malformed { word });
-            }
-            if !(factor(1.0)..=factor(4.0)).contains(&words.word(word + 1)) {
-                return Err(MapError::Malformed { word: word + 1 });
-            }
-        }
-        Ok(())
-    }
+/// A number of two words, the low one first.
+const fn wide(words: Stored<'_>, index: usize) -> u32 {
+    words.word(index) as u32 | (words.word(index + 1) as u32) << 16
 }
 
 /// The word of a factor that has no more than eight significant bits.

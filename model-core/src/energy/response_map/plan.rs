@@ -42,28 +42,51 @@ struct Edges {
 }
 
 impl Edges {
-    /// Between the first bits that have `begun` and the last ones that are not `over`: both are monotonic. `None` if there
-    /// are none.
-    fn of(begun: impl Fn(u32) -> bool, over: impl Fn(u32) -> bool) -> Option<Self> {
-        let least = first(begun);
-        let span = first(over).checked_sub(1)?.checked_sub(least)?;
-        Some(Self { least, span })
+    /// The numbers of an axis from `lowest` to `highest`; `None` if there are none.
+    const fn of(axis: Axis<'_>, lowest: i32, highest: i32) -> Option<Self> {
+        let (least, beyond) = (axis.first(lowest), axis.first(highest + 1));
+        if beyond > least { Some(Self { least, span: beyond - least - 1 }) } else { None }
     }
 
     #[inline(always)]
-    fn contain(self, bits: u32) -> bool {
+    const fn contain(self, bits: u32) -> bool {
         bits.wrapping_sub(self.least) <= self.span
     }
 }
 
-/// The first bits of a normal number of which a condition is true that is true of all greater ones.
-fn first(holds: impl Fn(u32) -> bool) -> u32 {
-    let (mut low, mut high) = (f32::MIN_POSITIVE.to_bits(), f32::INFINITY.to_bits());
-    while low < high {
-        let middle = low.midpoint(high);
-        if holds(middle) { high = middle } else { low = middle + 1 }
+/// An axis of a map.
+#[derive(Clone, Copy)]
+enum Axis<'a> {
+    Level,
+    /// The detuning from the first column.
+    Detuning(&'a Head),
+}
+
+impl Axis<'_> {
+    /// The place of a number, by its bits, with which it rises; one that is no detuning is beyond all others.
+    const fn place(self, bits: u32) -> i32 {
+        let Self::Detuning(head) = self else { return level_of_bits(bits) };
+        let nearest = FARTHEST.cast_signed();
+        match fixed(f32::from_bits(bits), head.frequency_shift) {
+            None => i32::MAX,
+            Some(0) => i32::MIN,
+            Some(units) => match units.cast_signed() - head.resonance {
+                distance if distance > nearest => i32::MAX,
+                distance if distance < -nearest => i32::MIN,
+                distance => detuning_within(distance, head.slope) - head.first,
+            },
+        }
     }
-    low
+
+    /// The bits of the first normal number at this place or above.
+    const fn first(self, place: i32) -> u32 {
+        let (mut low, mut high) = (f32::MIN_POSITIVE.to_bits(), f32::INFINITY.to_bits());
+        while low < high {
+            let middle = low.midpoint(high);
+            if self.place(middle) >= place { high = middle } else { low = middle + 1 }
+        }
+        low
+    }
 }
 
 /// Where the rows of a branch are.
@@ -76,7 +99,7 @@ pub(super) struct Side {
 }
 
 impl Side {
-    fn new(first: u32, rows: u32, spacing: Spacing) -> Self {
+    const fn new(first: u32, rows: u32, spacing: Spacing) -> Self {
         // A branch without values has its rows behind the column.
         let first = if rows == 0 { COLUMN_WORDS as u32 } else { first };
         Self { spacing: spacing.folded(first), far: first + (NEAR << (spacing.bits - 1)) }
@@ -109,27 +132,15 @@ pub(super) struct Plan {
 
 impl Plan {
     /// The plan of a checked head; `None` if no frequency is within the map.
-    pub(super) fn new(head: &Head) -> Option<Self> {
-        let amplitudes =
-            Edges::of(|bits| level_of_bits(bits) >= head.lowest, |bits| level_of_bits(bits) > head.highest)?;
-        // Detuning from the first column; beyond what is a detuning, one that is farther away.
-        let from_first = |bits: u32| match fixed(f32::from_bits(bits), head.frequency_shift) {
-            None => i32::MAX,
-            Some(0) => i32::MIN,
-            Some(units) => {
-                let distance = units.cast_signed() - head.resonance;
-                let nearest = FARTHEST.cast_signed();
-                match distance {
-                    _ if distance > nearest => i32::MAX,
-                    _ if distance < -nearest => i32::MIN,
-                    _ => detuning_within(distance, head.slope) - head.first,
-                }
-            }
-        };
-        let span = head.span.cast_signed();
-        let frequencies = Edges::of(|bits| from_first(bits) >= 0, |bits| from_first(bits) > span)?;
+    pub(super) const fn new(head: &Head) -> Option<Self> {
+        let amplitudes = Edges::of(Axis::Level, head.lowest, head.highest);
+        let frequencies = Edges::of(Axis::Detuning(head), 0, head.span.cast_signed());
         // The last column is just beyond the last detuning, so that each place is between two columns.
-        let factor = u32::MAX.checked_div(head.span)?;
+        let (Some(amplitudes), Some(frequencies), Some(factor)) =
+            (amplitudes, frequencies, u32::MAX.checked_div(head.span))
+        else {
+            return None;
+        };
         let ([lower_rows, upper_rows], [lower, upper]) = (head.rows, head.spacings);
         Some(Self {
             amplitudes,
@@ -153,7 +164,7 @@ impl Plan {
 
     /// Whether the map reaches over a frequency, by its bits.
     #[inline(always)]
-    pub(super) fn has_frequency(&self, bits: u32) -> bool {
+    pub(super) const fn has_frequency(&self, bits: u32) -> bool {
         self.frequencies.contain(bits)
     }
 

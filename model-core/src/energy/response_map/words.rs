@@ -44,21 +44,43 @@ pub trait Words: Copy {
     /// The bounds of a slice.
     type Bounds: Deref<Target = Bounds<Self::Word>> + Copy + fmt::Debug + Eq;
 
-    /// The word at an index; `None` beyond the end.
-    fn at(self, index: usize) -> Option<u16>;
-
-    /// Number of whole words.
-    fn count(self) -> usize;
+    /// All of them.
+    fn stored(&self) -> Stored<'_>;
 
     /// The columns of a slice, from a word on; `None` if they are not all there.
     fn columns(self, from: usize) -> Option<Self::Columns>;
 
     /// The bounds of a slice, from a word on; `None` if they are not all there.
     fn bounds(self, from: usize) -> Option<Self::Bounds>;
+}
+
+/// Words, or their bytes, the lower one first.
+#[derive(Debug, Clone, Copy)]
+pub enum Stored<'a> {
+    /// As words.
+    Words(&'a [u16]),
+    /// As bytes.
+    Bytes(&'a [u8]),
+}
+
+impl Stored<'_> {
+    /// Number of whole words.
+    pub(super) const fn count(self) -> usize {
+        match self {
+            Self::Words(words) => words.len(),
+            Self::Bytes(bytes) => bytes.len() / 2,
+        }
+    }
 
     /// The word at an index; 0 beyond the end.
-    fn word(self, index: usize) -> u16 {
-        self.at(index).unwrap_or(0)
+    pub(super) const fn word(self, index: usize) -> u16 {
+        if index >= self.count() {
+            return 0;
+        }
+        match self {
+            Self::Words(words) => words[index],
+            Self::Bytes(bytes) => u16::from_le_bytes(bytes.as_chunks().0[index]),
+        }
     }
 }
 
@@ -67,12 +89,8 @@ impl<'a> Words for &'a [u16] {
     type Columns = &'a Columns<u16>;
     type Bounds = &'a Bounds<u16>;
 
-    fn at(self, index: usize) -> Option<u16> {
-        self.get(index).copied()
-    }
-
-    fn count(self) -> usize {
-        self.len()
+    fn stored(&self) -> Stored<'_> {
+        Stored::Words(self)
     }
 
     fn columns(self, from: usize) -> Option<Self::Columns> {
@@ -89,12 +107,8 @@ impl<'a> Words for &'a [u8] {
     type Columns = &'a Columns<[u8; 2]>;
     type Bounds = &'a Bounds<[u8; 2]>;
 
-    fn at(self, index: usize) -> Option<u16> {
-        self.as_chunks().0.get(index).map(|word| word.number())
-    }
-
-    fn count(self) -> usize {
-        self.len() / 2
+    fn stored(&self) -> Stored<'_> {
+        Stored::Bytes(self)
     }
 
     fn columns(self, from: usize) -> Option<Self::Columns> {
@@ -106,12 +120,16 @@ impl<'a> Words for &'a [u8] {
     }
 }
 
-fn columns<T>(words: &[T], from: usize) -> Option<&Columns<T>> {
-    words.get(from..)?.as_chunks().0.first_chunk()
+pub(super) const fn columns<T>(words: &[T], from: usize) -> Option<&Columns<T>> {
+    match words.split_at_checked(from) {
+        Some((_, words)) => words.as_chunks().0.first_chunk(),
+        None => None,
+    }
 }
 
-fn bounds<T>(words: &[T], from: usize) -> Option<&Bounds<T>> {
-    let pairs: &[[T; 2]] = words.get(from..)?.as_chunks().0;
+pub(super) const fn bounds<T>(words: &[T], from: usize) -> Option<&Bounds<T>> {
+    let Some((_, words)) = words.split_at_checked(from) else { return None };
+    let pairs: &[[T; 2]] = words.as_chunks().0;
     let branches: &[[[T; 2]; 2]] = pairs.as_chunks().0;
     branches.as_chunks().0.first_chunk()
 }

@@ -188,3 +188,19 @@ fn the_largest_samples_do_not_overflow() {
         );
     }
 }
+
+#[test]
+fn the_tables_are_rounded_cosines_and_sines() {
+    for whole in 8..=128 {
+        for (part, unit) in (0..3 * whole).flat_map(|part| [(part, REFERENCE), (part, ROTATION)]) {
+            let angle = TAU * part as f64 / whole as f64;
+            let exact = [angle.cos(), -angle.sin()].map(|number| number * f64::from(unit));
+            for (found, exact) in turned(part, whole, unit).map(f64::from).into_iter().zip(exact) {
+                assert!((found - exact).abs() < 0.501, "{part}/{whole}: {found} {exact}");
+            }
+        }
+    }
+    // Gravity and its multiples vanish exactly.
+    let sum = bank().reference.iter().fold([0; 2], |[a, b], [c, s]| [a + c, b + s]);
+    assert_eq!(sum, [0; 2]);
+}

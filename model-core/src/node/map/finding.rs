@@ -1,6 +1,5 @@
 //! What a burst of samples says of the output power: lines of blocks, looked up in the map.
 
-use super::parameters::MOST_BLOCKS;
 use crate::energy::ResponseMap;
 use crate::energy::response_map::{Bounded, Outside, Response, Words};
 use crate::excitation::Lines;
@@ -290,14 +289,6 @@ fn look_up<W: Words>(map: &ResponseMap<W>, amplitude: f32, frequency: f32, volta
         map.at(amplitude, frequency)
     }
 }
-
-snapshot_fields!(impl [] Blocks {
-    count, lines, doubles, is_damaged, yields, strongest, weakest, purity, density, rest,
-} if |blocks| {
-    let counts = [blocks.doubles, blocks.lines, blocks.count, MOST_BLOCKS];
-    let sums = [blocks.weakest, blocks.purity, blocks.density, blocks.rest];
-    counts.is_sorted() && sums.iter().chain(&blocks.yields).chain(&blocks.strongest).all(|&sum| sum >= 0.0)
-});
 
 snapshot_variants!(Motion { Lower, Upper });
 snapshot_fields!(impl [] Yield { value, noise, systematic });

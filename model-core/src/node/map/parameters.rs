@@ -1,8 +1,7 @@
 //! Parameters of the node with a map.
 
 use crate::bounds::{Bounds, ParameterError, first_outside};
-use crate::node::{VoltageParameters, real};
-use crate::scalar::Scalar;
+use crate::node::VoltageParameters;
 
 /// Parameters of a [`MapNode`](super::MapNode), beside its map and its bank of lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,30 +53,30 @@ pub struct Bursts {
 
 impl<const ACTIONS: usize> MapParameters<ACTIONS> {
     /// The first number outside its bounds, but for those of [`VoltageParameters`].
-    pub(super) fn first_outside(&self) -> Option<ParameterError<f32>> {
+    pub(super) const fn first_outside(&self) -> Option<ParameterError<f32>> {
         let Self { sensor, bursts, gain, gain_drift, .. } = self;
         first_outside(&[
             ("sensor.rate", sensor.rate, 1.0, 1e5),
-            ("sensor.start_up", real(sensor.start_up), 0.0, MOST_START_UP as f32),
-            ("sensor.blocks", real(sensor.blocks), 1.0, MOST_BLOCKS as f32),
-            ("sensor.clipped", f32::from(sensor.clipped), 1.0, 32_767.0),
+            ("sensor.start_up", sensor.start_up as f32, 0.0, MOST_START_UP as f32),
+            ("sensor.blocks", sensor.blocks as f32, 1.0, MOST_BLOCKS as f32),
+            ("sensor.clipped", sensor.clipped as f32, 1.0, 32_767.0),
             ("bursts.energy", bursts.energy, 0.0, 10.0),
             ("bursts.worth", bursts.worth, 0.0, 1e6),
-            ("bursts.shortest", real(bursts.shortest), 1.0, 3600.0),
-            ("bursts.check", real(bursts.check), 3600.0, 1e7),
+            ("bursts.shortest", bursts.shortest as f32, 1.0, 3600.0),
+            ("bursts.check", bursts.check as f32, 3600.0, 1e7),
             ("gain", *gain, 1e-3, 10.0),
             ("gain_drift", *gain_drift, 0.0, 10.0),
         ])
     }
 
-    /// Refuses a bank of lines for another rate than that of the sensor.
-    pub(super) fn check_rate(&self, bank: f32) -> Result<(), NodeError> {
+    /// The rate of the sensor, if it is another one than that of the bank of lines.
+    pub(super) const fn other_rate(&self, bank: f32) -> Option<ParameterError<f32>> {
         let rate = self.sensor.rate;
-        if Scalar::abs(rate - bank) <= SAME_RATE * bank {
-            return Ok(());
+        if (rate - bank).abs() <= SAME_RATE * bank {
+            return None;
         }
         let bounds = Bounds { lowest: bank, highest: bank };
-        Err(NodeError::Bank(ParameterError { field: "sensor.rate", value: rate, bounds }))
+        Some(ParameterError { field: "sensor.rate", value: rate, bounds })
     }
 }
 
@@ -118,8 +117,8 @@ impl core::fmt::Display for NodeError {
 impl core::error::Error for NodeError {}
 
 /// Most blocks in a burst.
-pub(super) const MOST_BLOCKS: u32 = 64;
+const MOST_BLOCKS: u32 = 64;
 /// Most samples of a sensor's start-up.
-pub(super) const MOST_START_UP: u32 = 10_000;
+const MOST_START_UP: u32 = 10_000;
 /// Relative difference up to which two rates are the same.
 const SAME_RATE: f32 = 1e-5;
