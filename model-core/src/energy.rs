@@ -3,7 +3,6 @@
 mod account;
 mod action;
 mod budget;
-pub mod cost;
 pub mod estimator;
 mod forecast;
 mod income;

@@ -14,7 +14,6 @@ pub mod friction;
 pub mod load;
 pub mod monomorph;
 pub mod parasitic;
-pub mod preset;
 pub mod rectifier;
 pub mod restitution;
 pub(crate) mod rod;

@@ -23,7 +23,7 @@ mod board {
 
     use cortex_m::peripheral::NVIC;
     use firmware_example::board::adxl362::{Adxl362, Axis};
-    use firmware_example::board::example::{ExampleNode, MEASURE, RANGE, RATE, Runner, node};
+    use firmware_example::board::example::{ExampleNode, MEASURE, NODE, RANGE, RATE, Runner};
     use firmware_example::board::flash::Slots;
     use firmware_example::board::hal::HalBoard;
     use firmware_example::stop::{Code, stop};
@@ -119,11 +119,11 @@ mod board {
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
-        let (Some(parts), Ok(node)) = (Peripherals::take(), node()) else { stop(Code::WorkloadFailed) };
-        run(parts, node)
+        let Some(parts) = Peripherals::take() else { stop(Code::WorkloadFailed) };
+        run(parts)
     }
 
-    fn run(parts: Peripherals, node: ExampleNode) -> ! {
+    fn run(parts: Peripherals) -> ! {
         let clocks = Clocks::new(parts.CLOCK).set_lfclk_src_external(LfOscConfiguration::NoExternalNoBypass);
         clocks.start_lfclk();
         let Ok(mut rtc) = Rtc::new(parts.RTC0, 32_768 / TICKS - 1) else { stop(Code::WorkloadFailed) };
@@ -187,7 +187,7 @@ mod board {
         };
         // A reset of the processor may have come in a burst.
         board.stop_sensor();
-        let mut runner: Runner<_> = Runner::new(board, &node, 0);
+        let mut runner: Runner<_> = Runner::new(board, &NODE, 0);
         let mut image = [0; image_size::<ExampleNode>()];
         // Without an image the node begins anew. Without a clock of its own supply no one knows how long the power-down was.
         if runner.resume(&mut image, Gap::Unknown).is_ok() {

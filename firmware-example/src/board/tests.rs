@@ -17,7 +17,7 @@ use embedded_hal_mock::eh1::spi::{Mock as Spi, Transaction};
 use embedded_storage::nor_flash::{
     NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
-use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor, node_instructions};
+use harvester_scene::market::{Accelerometer, Code, CostModel, Processor, Radio, node_instructions};
 use model_core::node::{Board, Fault, Finding, Gap, Step, Tier};
 
 use super::adxl362::{Adxl362, Adxl362Error, Axis, Range, Rate};
@@ -352,8 +352,8 @@ fn board(world: &Shared, flash: Flash) -> impl Board + use<> {
 #[test]
 fn a_node_on_the_board_takes_bursts_acts_and_resumes() {
     let world: Shared = Rc::new(RefCell::new(World { stored: 0.5 * CAPACITANCE * 7.0, ..World::default() }));
-    let node = example::node().expect("within bounds");
-    let mut runner: Runner<_> = Runner::new(board(&world, Flash::new(128)), &node, 0);
+    let node = &example::NODE;
+    let mut runner: Runner<_> = Runner::new(board(&world, Flash::new(128)), node, 0);
     let (mut found, mut end) = (Vec::new(), Step::Sampled);
     while world.borrow().now < 4 * 3600 * 1000 || !runner.is_idle() {
         // The storage tells the income, and no burst is worth it.
@@ -386,26 +386,32 @@ fn a_node_on_the_board_takes_bursts_acts_and_resumes() {
         flash.bytes[slot * 4096..][..4096].copy_from_slice(image);
     }
     let now = (world.borrow().now / 1000) as u32;
-    let mut again: Runner<_> = Runner::new(self::board(&world, flash), &node, now);
+    let mut again: Runner<_> = Runner::new(self::board(&world, flash), node, now);
     assert_eq!(again.resume(&mut images[0], Gap::OnUntil(now)), Ok(sequence));
     assert_eq!(example::ExampleNode::second(again.state()), example::ExampleNode::second(&before));
 }
 
 #[test]
-fn the_costs_of_the_example_have_all_that_it_computes() {
-    let parameters = *example::node().expect("within bounds").parameters();
-    let model = CostModel::<f32>::new(Processor::nrf52832(), Accelerometer::adxl362());
-    let of = node_instructions(model.processor.core);
-    let computing = |instructions| model.processor.computing(instructions, Code::Filter);
-    let reading = model.voltage_reading.value + model.processor.wake_up_energy() + computing(of.reading);
-    assert!((parameters.voltage.reading / reading - 1.0).abs() < 1e-6);
-    // A burst of 1280 samples at 400 Hz, without and with its computing.
-    let idle = model.listen(1280, 400.0, 0.0, Code::Filter).expect("a rate").total();
-    let burst = idle + computing(1280.0 * of.sample + of.block);
-    assert!((parameters.bursts.energy / burst - 1.0).abs() < 1e-6);
-    // Asleep: processor and accelerometer.
-    let standby = parameters.voltage.standing_power - model.standing_power().expect("known");
-    assert!((20e-9..50e-9).contains(&standby), "{standby}");
+fn the_energies_of_the_example_are_those_of_its_parts() {
+    let parameters = example::NODE.parameters();
+    let processor = Processor::named("nrf52832").expect("a part");
+    let accelerometer = Accelerometer::named("adxl362").expect("a part");
+    let model = CostModel::new(processor, accelerometer);
+    let of = node_instructions(processor.core);
+    let burst =
+        model.burst(1280, 400.0, 1280.0 * of.sample + of.block, Code::Filter).expect("a rate").total();
+    let packet = Radio::named("nrf52832-0-dbm").and_then(|radio| radio.packet(20)).expect("20 bytes");
+    let standby = 10e-9 * 3.3;
+    let pairs = [
+        (parameters.voltage.reading, model.reading(of.reading)),
+        (parameters.bursts.energy, burst),
+        (parameters.voltage.actions[example::TRANSMIT].energy, packet + model.start_energy()),
+        (parameters.voltage.standing_power, model.standing_power().expect("known") + standby),
+    ];
+    for (found, expected) in pairs {
+        assert!((f64::from(found) / expected - 1.0).abs() < 1e-3, "{found:e} {expected:e}");
+    }
+    assert_eq!(parameters.sensor.start_up, accelerometer.start_up_samples);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What the node is made of. Energies are those of `energy::cost` for its processor.
+//! What the node is made of. A test compares its energies with the figures of the parts.
 
 use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
 use model_core::excitation::LineBank;
@@ -72,7 +72,7 @@ impl Part {
         }
     }
 
-    /// Standing power in W, and energies of a reading and a burst in J, by `energy::cost`.
+    /// Standing power in W, and energies of a reading and a burst in J, by the figures of its parts.
     const fn figures(self) -> [f32; 3] {
         match self {
             Self::Nrf52832 => FIGURES[0],
@@ -148,21 +148,20 @@ const STORAGE: StorageParameters<f32> = StorageParameters {
 #[cfg(test)]
 mod tests {
     use super::{BURST, Part, RATE, START_UP};
-    use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor, node_instructions};
+    use harvester_scene::market::{Accelerometer, Code, CostModel, Processor, node_instructions};
 
     #[test]
     fn the_energies_are_those_of_the_parts() {
-        let parts = [(Part::Nrf52832, Processor::nrf52832()), (Part::Stm32l051, Processor::stm32l051())];
-        for (part, processor) in parts {
-            let cost = CostModel::<f32>::new(processor, Accelerometer::adxl362());
-            assert_eq!(cost.accelerometer.start_up_samples, START_UP);
+        for (part, word) in [(Part::Nrf52832, "nrf52832"), (Part::Stm32l051, "stm32l051")] {
+            let accelerometer = Accelerometer::named("adxl362").expect("a part");
+            assert_eq!(accelerometer.start_up_samples, START_UP);
+            let cost = CostModel::new(Processor::named(word).expect("a part"), accelerometer);
             let of = node_instructions(cost.processor.core);
-            let computing = cost.processor.computing(of.reading, Code::Filter);
-            let reading = cost.voltage_reading.value + cost.start_energy() + computing;
-            let burst = cost.listen(BURST, RATE as f32, BURST as f32 * of.sample + of.block, Code::Filter);
-            let expected = [cost.standing_power().expect("known"), reading, burst.expect("a rate").total()];
+            let computing = f64::from(BURST) * of.sample + of.block;
+            let burst = cost.burst(BURST, RATE.into(), computing, Code::Filter).expect("a rate").total();
+            let expected = [cost.standing_power().expect("known"), cost.reading(of.reading), burst];
             for (found, expected) in part.figures().into_iter().zip(expected) {
-                assert!((found / expected - 1.0).abs() < 0.01, "{part:?}: {found:e} {expected:e}");
+                assert!((f64::from(found) / expected - 1.0).abs() < 0.01, "{part:?}: {found:e} {expected:e}");
             }
         }
     }

@@ -3,6 +3,7 @@
 pub mod base_motion;
 pub mod input;
 pub mod keys;
+pub mod market;
 pub mod method;
 pub mod name;
 pub mod outcome;

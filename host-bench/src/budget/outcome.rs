@@ -7,6 +7,8 @@ use super::plant::StorageAccount;
 use crate::embedded::WholeDay;
 use crate::name::Name;
 use crate::outcome::{Fields, Format, fields, text};
+use harvester_scene::market::Evidence;
+
 use crate::scene_file::{HOURS, Knowing, PartFigure};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -175,9 +177,10 @@ impl NodeDay {
 
     /// The figures of the named parts that no source confirms, as one text.
     fn not_confirmed(&self) -> String {
-        let figures = self.figures.iter().filter(|figure| figure.evidence != "confirmed");
-        let texts = figures
-            .map(|PartFigure { part, quantity, evidence, .. }| format!("{part} {quantity} {evidence}"));
+        let figures = self.figures.iter().filter(|figure| figure.evidence != Evidence::Confirmed);
+        let texts = figures.map(|PartFigure { part, quantity, evidence, .. }| {
+            format!("{part} {quantity} {}", format!("{evidence:?}").to_lowercase())
+        });
         texts.collect::<Vec<_>>().join("; ")
     }
 

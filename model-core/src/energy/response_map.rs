@@ -51,8 +51,8 @@ pub use coordinate::{
     row, row_distance,
 };
 pub use image::{
-    BOUNDS, COLUMN_WORDS, COLUMNS, CURRENT, DENSITY_OCTAVES, HEAD, LOWER, MAGIC, MapError, NEAR, NOWHERE,
-    PARTS, POWER_OCTAVES, ROWS, TAIL, UPPER, VERSION, seal,
+    Agreement, BOUNDS, COLUMN_WORDS, COLUMNS, CURRENT, DENSITY_OCTAVES, HEAD, LOWER, MAGIC, MapError, NEAR,
+    NOWHERE, PARTS, POWER_OCTAVES, ROWS, TAIL, UPPER, VERSION, seal,
 };
 pub use words::{Bounds, Columns, Part, Stored, Word, Words};
 
@@ -160,20 +160,6 @@ pub struct Broadband {
     pub value: f32,
     /// Whether the motion stays on the linear part of the lower branch. If not, the value is not to be relied upon.
     pub is_linear: bool,
-}
-
-/// How well a map was found to agree with the full model, at random places off its nodes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Agreement {
-    /// Number of places by which the bounds were measured.
-    pub places: u32,
-    /// Median of the relative error.
-    pub median: f32,
-    /// 90th percentile of the relative error.
-    pub percentile_90: f32,
-    /// Share of other places at which the bounds hold.
-    pub bounds_hold: f32,
 }
 
 impl<'a> ResponseMap<&'a [u16]> {

@@ -12,7 +12,6 @@
 //! part of the energy that they convert; their idle power belongs to the load.
 
 use crate::bounds::{Bounds, ParameterError, bounded};
-use crate::part::preset::Preset;
 use crate::part::storage::Capacitor;
 use crate::scalar::{Mathematics, Scalar, horner};
 use crate::snapshot::Fingerprint;
@@ -45,24 +44,6 @@ bounded! { StorageParameters<S>:
 }
 
 impl<S: Scalar> StorageParameters<S> {
-    /// An ideal capacitor of `capacitance` in F behind a commercial part; `None` for a part without
-    /// thresholds or without a highest voltage, which the node must then choose.
-    ///
-    /// The leakage resistance represents the consumption of the locked-out part. Its further consumption
-    /// while the node is connected belongs to the standing load: [`Preset::power_at_store`].
-    #[must_use]
-    pub fn behind(part: &Preset<S>, capacitance: S) -> Option<Self> {
-        let lockout = part.lockout.filter(|_| part.highest_voltage < S::INFINITY)?;
-        Some(Self {
-            capacitor: Capacitor { capacitance, leakage_resistance: part.leakage_resistance() },
-            charging_efficiency: part.charging_efficiency,
-            discharging_efficiency: part.discharging_efficiency,
-            highest_voltage: part.highest_voltage,
-            lock_out_voltage: lockout.turn_off,
-            turn_on_voltage: lockout.turn_on,
-        })
-    }
-
     /// Checks the parameters.
     ///
     /// # Errors
@@ -289,25 +270,6 @@ pub(super) mod tests {
             highest_voltage: S::from_f64(4.5),
             lock_out_voltage: S::from_f64(1.8),
             turn_on_voltage: S::from_f64(2.4),
-        }
-    }
-
-    #[test]
-    fn parts_with_thresholds_make_a_store_within_bounds() {
-        for part in Preset::<f32>::all() {
-            let storage = StorageParameters::behind(&part, 1e-3).map(StorageParameters::build);
-            match part.lockout {
-                Some(lockout) => {
-                    let storage = storage.and_then(Result::ok).expect("within bounds");
-                    assert_eq!(storage.lock_out(), 0.5e-3 * lockout.turn_off * lockout.turn_off);
-                    // The leakage at the turn-on voltage is the quiescent current.
-                    let leaked =
-                        storage.energy(storage.parameters().turn_on_voltage) * storage.relaxation(1.0).lost();
-                    let expected = lockout.turn_on * part.quiescent_locked_out;
-                    assert!((leaked / expected - 1.0).abs() < 1e-2, "{} {leaked}", part.name);
-                }
-                None => assert_eq!(storage, None, "{}", part.name),
-            }
         }
     }
 

@@ -225,12 +225,6 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         self.reference_hz + (index as i32 - Self::REACH) as f32 * self.bin_hz
     }
 
-    /// Frequency of the reference in Hz.
-    #[must_use]
-    pub fn reference_frequency(&self) -> f32 {
-        self.reference_hz
-    }
-
     /// The state before the first sample.
     #[must_use]
     pub fn start(&self) -> LineBankState<P> {

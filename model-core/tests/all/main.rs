@@ -13,7 +13,6 @@ mod bump_stop_store;
 mod common;
 mod dry_friction;
 mod energy_budget;
-mod energy_cost;
 mod energy_planner;
 mod estimator;
 mod excitations;

@@ -22,7 +22,7 @@ mod wavering;
 
 use std::collections::BTreeMap;
 
-use model_core::energy::cost::Processor;
+use harvester_scene::market::Processor;
 use model_core::snapshot::{self, image_size};
 use plant::{AS_STATED, Build, Hour, OneNode, OneState, Plant, Run, Source, Strategy, World};
 use truth::{AS_DESIGNED, KINDS, Kind, Off, Shaking, WEATHERS, Weather, hour};
@@ -120,7 +120,7 @@ impl Timeline {
 }
 
 /// A node with an action of 0.3 mJ as often as the income allows, and a third of its storage as reserve.
-fn build(kind: Kind, processor: Processor<f64>, capacitance: f64, spread: f64) -> Build {
+fn build(kind: Kind, processor: Processor, capacitance: f64, spread: f64) -> Build {
     Build {
         kind,
         capacitance,
@@ -171,7 +171,7 @@ impl Errors {
 #[test]
 fn hours_of_a_small_storage_are_known_for_a_hundredth_of_the_income() {
     let line = Timeline::random(Kind::ContactSeparation, true, 4, 3);
-    let run = line.run(&build(line.kind, Processor::nrf52832(), 1e-3, 0.01), 5);
+    let run = line.run(&build(line.kind, Processor::named("nrf52832").expect("a part"), 1e-3, 0.01), 5);
     assert!(run.share < 0.01 && run.lock_outs == 0 && run.actions > 10, "{run:?}");
     assert_eq!(run.hours.len(), 4);
     let errors = Errors::of(run.hours.iter());
@@ -183,14 +183,16 @@ fn hours_of_a_small_storage_are_known_for_a_hundredth_of_the_income() {
     }
     // The hours and the whole are the same income, up to what was heard later.
     let told: f64 = run.hours.iter().map(|hour| hour.told).sum();
-    let all = line.node(&build(line.kind, Processor::nrf52832(), 1e-3, 0.01)).overall(&run.state);
+    let all = line
+        .node(&build(line.kind, Processor::named("nrf52832").expect("a part"), 1e-3, 0.01))
+        .overall(&run.state);
     assert!((f64::from(all.energy) / told - 1.0).abs() < 0.02, "{all:?} {told}");
 }
 
 #[test]
 fn a_node_that_is_restored_from_its_image_after_each_sleep_ends_with_the_same_bits() {
     let line = Timeline::random(Kind::ContactSeparation, true, 1, 4);
-    let build = build(line.kind, Processor::nrf52832(), 1e-3, 0.2);
+    let build = build(line.kind, Processor::named("nrf52832").expect("a part"), 1e-3, 0.2);
     let node = line.node(&build);
     let world = || {
         let plant = Plant { standing: 1.1, ..AS_STATED };
@@ -232,7 +234,11 @@ fn random_hours_of_three_harvesters() {
     );
     println!("{}|", "| --- ".repeat(14));
     let mut all_hours = Vec::new();
-    for processor in [Processor::nrf52832(), Processor::apollo3(), Processor::stm32l051()] {
+    for processor in [
+        Processor::named("nrf52832").expect("a part"),
+        Processor::named("apollo3").expect("a part"),
+        Processor::named("stm32l051").expect("a part"),
+    ] {
         for capacitance in [0.47e-3, 1e-3, 10e-3, 0.1] {
             for spread in [0.2, 0.01] {
                 for as_designed in [true, false] {
@@ -263,7 +269,7 @@ struct Came {
 
 /// A storage with a market part: capacitance in F, and how far it and the standing power may be off at most.
 struct Part {
-    processor: Processor<f64>,
+    processor: Processor,
     capacitance: f64,
     spread: f64,
     of_capacitance: f64,
@@ -350,8 +356,14 @@ impl Part {
 fn the_voltage_alone_is_as_good_as_the_difference_of_two_readings() {
     let lines = [Timeline::random(Kind::ContactSeparation, true, 4, 3)];
     for (capacitance, spread) in [(10e-3, 0.01), (0.1, 0.2)] {
-        Part { processor: Processor::nrf52832(), capacitance, spread, of_capacitance: 0.0, noises: 40 }
-            .compare(&lines);
+        Part {
+            processor: Processor::named("nrf52832").expect("a part"),
+            capacitance,
+            spread,
+            of_capacitance: 0.0,
+            noises: 40,
+        }
+        .compare(&lines);
     }
 }
 
@@ -367,7 +379,11 @@ fn the_voltage_alone_is_as_good_as_the_difference_on_each_storage() {
         "| part | storage | draw | | share | error | bound | inside | error of all | bound | inside | actions | lock-outs | shunted |"
     );
     println!("{}|", "| --- ".repeat(14));
-    for processor in [Processor::nrf52832(), Processor::apollo3(), Processor::stm32l051()] {
+    for processor in [
+        Processor::named("nrf52832").expect("a part"),
+        Processor::named("apollo3").expect("a part"),
+        Processor::named("stm32l051").expect("a part"),
+    ] {
         for (capacitance, of_capacitance) in
             [(0.47e-3, 0.0), (1e-3, 0.0), (10e-3, 0.0), (10e-3, 0.2), (0.1, 0.0)]
         {
@@ -382,7 +398,7 @@ fn the_voltage_alone_is_as_good_as_the_difference_on_each_storage() {
 /// Prints a row of the table: the mean share, and the hours.
 fn row(
     lines: &[Timeline],
-    processor: &Processor<f64>,
+    processor: &Processor,
     capacitance: f64,
     spread: f64,
     as_designed: bool,
@@ -452,11 +468,15 @@ fn a_week_of_the_larger_harvester_costs_less_than_a_hundredth_and_never_locks_ou
     let minutes: Vec<f64> = (0..60 * hours.len()).map(|minute| energies[2 * (minute / 60) + 1]).collect();
     let shaking: Vec<Shaking> = (0..60 * hours.len()).map(|minute| hours[minute / 60].clone()).collect();
     let income = minutes.iter().sum::<f64>() / (60.0 * minutes.len() as f64);
-    for processor in [Processor::nrf52832(), Processor::stm32l051(), Processor::apollo3()] {
+    for processor in [
+        Processor::named("nrf52832").expect("a part"),
+        Processor::named("stm32l051").expect("a part"),
+        Processor::named("apollo3").expect("a part"),
+    ] {
         let build = Build {
             income,
             // Asleep with the clock running by the preset, and 1 µW of a converter.
-            standing: processor.sleep.as_ref().map_or(0.0, |sleep| sleep.value * processor.supply) + 1e-6,
+            standing: processor.sleep_a.map_or(0.0, |sleep| sleep.0 * processor.supply_v) + 1e-6,
             // A measurement and a transmission of 6.6 mJ.
             action: 6.9e-3,
             every: 300,

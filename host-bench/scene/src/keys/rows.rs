@@ -1,7 +1,6 @@
 //! The keys of scene files as rows of text.
 
 use model_core::bounds::Bounds;
-use model_core::part::preset::Preset;
 
 use crate::scene_file::KEYS;
 use crate::scene_file::Short;
@@ -144,7 +143,7 @@ pub(crate) fn bounds(key: &Key) -> String {
             format!("a list of 2 to {most} points `[Hz, density]`, densities {}", span(range))
         }
         Value::Words(words) => quoted(words),
-        Value::Part => quoted(&parts()),
+        Value::Part(words) => quoted(&words()),
         Value::Flag => "`true`, `false`".to_owned(),
         Value::Text => "a text".to_owned(),
         Value::Texts => "a list of texts".to_owned(),
@@ -176,11 +175,6 @@ fn default(key: &Key) -> String {
         Some(other) => format!("{default}; or `{other}`"),
         None => default,
     }
-}
-
-/// The names of the commercial parts.
-pub(super) fn parts() -> Vec<&'static str> {
-    Preset::<f64>::all().map(|part| part.name).to_vec()
 }
 
 fn span(range: Bounds<f64>) -> String {

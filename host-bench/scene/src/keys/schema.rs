@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use super::rows::{bounds, parts};
+use super::rows::bounds;
 use crate::scene_file::KEYS;
 use crate::scene_file::key::{Default, Key, Kind, Table, Value};
 
@@ -97,7 +97,7 @@ fn value(key: &Key) -> Json {
             "items": { "type": "array", "minItems": 2, "maxItems": 2, "items": { "type": "number" } },
         }),
         Value::Words(words) => json!({ "enum": words }),
-        Value::Part => json!({ "enum": parts() }),
+        Value::Part(words) => json!({ "enum": words() }),
         Value::Flag => json!({ "type": "boolean" }),
         Value::Text => json!({ "type": "string" }),
         Value::Texts => json!({ "type": "array", "items": { "type": "string" } }),

@@ -42,8 +42,8 @@ pub enum Value {
     Points(Bounds<f64>, usize),
     /// One of a few words.
     Words(&'static [&'static str]),
-    /// The name of a commercial part.
-    Part,
+    /// The word of a part of the market, one of these.
+    Part(fn() -> Vec<&'static str>),
     /// `true` or `false`.
     Flag,
     /// A text.

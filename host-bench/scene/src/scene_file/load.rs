@@ -6,7 +6,6 @@
 
 use model_core::part::draw::{CurrentDraw, Lockout as CoreLockout, PowerDraw, ResistiveDraw};
 use model_core::part::load::Resistor;
-use model_core::part::preset::Preset;
 use model_core::part::rectifier::FullBridge;
 use model_core::part::storage::{DcBus, StorageCapacitor};
 
@@ -16,6 +15,7 @@ use super::key::{Key, Kind, Table, Value, core, number, other};
 use super::preset::{self, PRESET};
 use super::scene::{Draw, Load, Lockout, RectifiedStore};
 use super::section::{Reader, Section};
+use crate::market::Preset;
 
 const STORE: CoreTable = StorageCapacitor::<f64, ()>::BOUNDS;
 const OF_PART: &str = "the preset's, else required";
@@ -125,7 +125,7 @@ const TURN_OFF: Key =
         .or_said(OF_PART);
 
 /// A part that a table may name.
-type Part = Option<Preset<f64>>;
+type Part = Option<Preset>;
 type DrawReader = fn(&mut Section<'_>, Part) -> Result<Draw, SceneError>;
 
 /// Reads `[load]`, and the part that it names.
@@ -145,8 +145,8 @@ fn rectified_store(section: &mut Section<'_>) -> Result<(Load, Part), SceneError
     let part = preset::preset(section)?;
     let store = RectifiedStore {
         capacitance_f: section.number("capacitance_f")?,
-        diode_drop_v: section.number_or("diode_drop_v", part.map(|part| part.diode_drop))?,
-        leakage_ohm: section.number_or("leakage_ohm", part.map(|part| part.leakage_resistance()))?,
+        diode_drop_v: section.number_or("diode_drop_v", part.map(|part| part.diode_drop_v))?,
+        leakage_ohm: section.number_or("leakage_ohm", part.map(|part| part.leakage_ohm()))?,
         initial_v: section.number("initial_v")?,
         draw: match section.optional_table("draw")? {
             Some(table) => draw(table, part)?,
@@ -161,12 +161,12 @@ fn dc_bus(section: &mut Section<'_>) -> Result<(Load, Part), SceneError> {
     let voltage_v = section.number("voltage_v")?;
     // A charger holds its input at a voltage from which it starts.
     if let Some(part) = part
-        && let Some(lowest) = part.cold_start.filter(|lowest| voltage_v < *lowest)
+        && let Some(lowest) = part.cold_start_v.filter(|lowest| voltage_v < *lowest)
     {
-        let reason = format!("must be at least {} for a cold start of {:?}", Short(lowest), part.name);
+        let reason = format!("must be at least {} for a cold start of {:?}", Short(lowest), part.word);
         return Err(section.refuse("voltage_v", reason));
     }
-    let diode_drop_v = section.number_or("diode_drop_v", part.map(|part| part.diode_drop))?;
+    let diode_drop_v = section.number_or("diode_drop_v", part.map(|part| part.diode_drop_v))?;
     Ok((Load::DcBus { voltage_v, diode_drop_v }, part))
 }
 
@@ -210,8 +210,8 @@ fn power(section: &mut Section<'_>, part: Part) -> Result<Draw, SceneError> {
 fn thresholds(section: &mut Section<'_>, part: Part) -> Result<Lockout, SceneError> {
     let of_part = part.and_then(|part| part.lockout);
     Ok(Lockout {
-        turn_on_v: section.number_or("turn_on_v", of_part.map(|lockout| lockout.turn_on))?,
-        turn_off_v: section.number_or("turn_off_v", of_part.map(|lockout| lockout.turn_off))?,
+        turn_on_v: section.number_or("turn_on_v", of_part.map(|lockout| lockout.turn_on_v))?,
+        turn_off_v: section.number_or("turn_off_v", of_part.map(|lockout| lockout.turn_off_v))?,
     })
 }
 

@@ -3,15 +3,15 @@
 mod parts;
 
 use model_core::energy::{IncomeParameters, StorageParameters};
-use model_core::part::preset::Preset;
 
 use self::parts::Parts;
 use super::bounds::{CoreTable, between};
 use super::document::SceneError;
 use super::key::{Table, Value, core, number, other, whole};
 use super::preset::{self, PRESET};
-use super::scene::{Action, Draw, HOURS, Knowing, Load, Lockout, Node, Storage};
+use super::scene::{Action, Draw, HOURS, Knowing, Load, Node, Storage};
 use super::section::Section;
+use crate::market::Preset;
 
 const INCOME: CoreTable = IncomeParameters::<f64>::BOUNDS;
 const STORE: CoreTable = StorageParameters::<f64>::BOUNDS;
@@ -123,11 +123,7 @@ const DAY: usize = 86_400;
 /// Slots that the core's budget is compiled for here.
 const SLOTS: [usize; 4] = [24, 48, 96, 144];
 /// Reads `[node]` of a scene whose load is `load`, with the part that `[load]` names.
-pub(super) fn node(
-    mut section: Section<'_>,
-    load: Load,
-    part: Option<Preset<f64>>,
-) -> Result<Node, SceneError> {
+pub(super) fn node(mut section: Section<'_>, load: Load, part: Option<Preset>) -> Result<Node, SceneError> {
     let update_s = divisor_of(&mut section, "update_s", DAY)?;
     let decision_s = if section.has("decision_s") {
         let seconds = divisor_of(&mut section, "decision_s", DAY)?;
@@ -176,7 +172,7 @@ fn divisor_of(section: &mut Section<'_>, key: &'static str, whole: usize) -> Res
 fn storage(
     section: &mut Section<'_>,
     load: Load,
-    part_of_load: Option<Preset<f64>>,
+    part_of_load: Option<Preset>,
 ) -> Result<Storage, SceneError> {
     let of_load = match load {
         Load::RectifiedStore(store) => Some(store),
@@ -193,14 +189,14 @@ fn storage(
     let own = preset::preset(&mut table)?;
     let part = own.or(part_of_load);
     let lockout = own
-        .and_then(lockout_of_part)
+        .and_then(|part| part.lockout)
         .or(of_load.and_then(|store| store.draw.lockout()))
-        .or(part.and_then(lockout_of_part));
+        .or(part.and_then(|part| part.lockout));
     let leakage_ohm = own
-        .map(|part| part.leakage_resistance())
+        .map(|part| part.leakage_ohm())
         .or(of_load.map(|store| store.leakage_ohm))
-        .or(part.map(|part| part.leakage_resistance()));
-    let highest = part.map(|part| part.highest_voltage).filter(|highest| highest.is_finite());
+        .or(part.map(|part| part.leakage_ohm()));
+    let highest = part.and_then(|part| part.highest_v);
     let storage = Storage {
         capacitance_f: table.number_or("capacitance_f", of_load.map(|store| store.capacitance_f))?,
         leakage_ohm: table.number_or("leakage_ohm", leakage_ohm)?,
@@ -231,10 +227,6 @@ fn one_storage(section: &mut Section<'_>, draw: Draw) -> Result<(), SceneError> 
         }
     }
     Ok(())
-}
-
-fn lockout_of_part(part: Preset<f64>) -> Option<Lockout> {
-    part.lockout.map(|lockout| Lockout { turn_on_v: lockout.turn_on, turn_off_v: lockout.turn_off })
 }
 
 /// Refuses voltages that are not in their order.

@@ -306,6 +306,18 @@ impl<'a> Section<'a> {
         found.map(|(_, value)| *value).ok_or_else(|| self.refuse(key, format!("must be {wanted}")))
     }
 
+    /// The part of the market that a key names by its word.
+    pub(super) fn part<T>(
+        &mut self,
+        key: &'static str,
+        words: fn() -> Vec<&'static str>,
+        named: fn(&str) -> Option<T>,
+    ) -> Result<T, SceneError> {
+        let words: Vec<(&str, &str)> = words().into_iter().map(|word| (word, word)).collect();
+        let word = self.choice(key, &words)?;
+        named(word).ok_or_else(|| self.refuse(key, "is not a part".to_owned()))
+    }
+
     /// What is read with the kind that the selector names; the keys from here on are those of this kind.
     pub(super) fn kind<T: Copy>(&mut self, kinds: &[(&'static Kind, T)]) -> Result<T, SceneError> {
         let choices: Vec<(&str, (&'static Kind, T))> =

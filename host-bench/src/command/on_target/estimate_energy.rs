@@ -1,6 +1,6 @@
 //! The energy of an estimate on the parts that have the measured core.
 
-use model_core::energy::cost::{Accelerometer, Code, Cost, CostModel, Evidence, Processor};
+use harvester_scene::market::{self, Accelerometer, Code, Cost, CostModel, Evidence, Processor};
 use serde_json::{Value, json};
 
 use super::output::Output;
@@ -60,20 +60,19 @@ pub(super) fn report(core: Core, estimates: &[Estimate], output: &mut Output) {
 pub(super) const UNCONFIRMED: &str = "*";
 
 /// The processors that have `core`; a Cortex-M0 stands for M0+, which executes the same instructions.
-pub(super) fn parts(core: Core) -> Vec<Processor<f64>> {
-    use model_core::energy::cost::Core as Kind;
+pub(super) fn parts(core: Core) -> Vec<Processor> {
     let kind = match core {
-        Core::M0 => Kind::M0Plus,
-        Core::M4f => Kind::M4F,
-        Core::M33 => Kind::M33,
+        Core::M0 => market::Core::M0Plus,
+        Core::M4f => market::Core::M4f,
+        Core::M33 => market::Core::M33,
         Core::M3 | Core::M7 => return Vec::new(),
     };
-    Processor::all().into_iter().filter(|part| part.core == kind).collect()
+    Processor::all().iter().filter(|part| part.core == kind).copied().collect()
 }
 
 /// The name of a part, marked if its energy per cycle was not confirmed.
-pub(super) fn marked(part: &Processor<f64>) -> String {
-    let mark = if part.energy_per_cycle.evidence == Evidence::Confirmed { "" } else { UNCONFIRMED };
+pub(super) fn marked(part: &Processor) -> String {
+    let mark = if part.energy_per_cycle_j.1 == Evidence::Confirmed { "" } else { UNCONFIRMED };
     format!("{}{mark}", part.name)
 }
 
@@ -81,22 +80,22 @@ pub(super) fn marked(part: &Processor<f64>) -> String {
 #[derive(Debug)]
 struct Line<'a> {
     estimate: &'a Estimate,
-    processor: Processor<f64>,
-    accelerometer: Accelerometer<f64>,
-    cost: Cost<f64>,
+    processor: Processor,
+    accelerometer: Accelerometer,
+    cost: Cost,
 }
 
 impl<'a> Line<'a> {
     /// With the accelerometer of least power at the rate of the samples; `None` where there is none.
-    fn new(estimate: &'a Estimate, processor: Processor<f64>) -> Option<Self> {
+    fn new(estimate: &'a Estimate, processor: Processor) -> Option<Self> {
         let rate = f64::from(estimate.samples);
         let (accelerometer, _) = Accelerometer::all()
-            .into_iter()
+            .iter()
             .filter_map(|part| part.power(rate).map(|power| (part, power)))
             .min_by(|(_, a), (_, b)| a.total_cmp(b))?;
-        let model = CostModel::new(processor, accelerometer);
+        let model = CostModel::new(processor, *accelerometer);
         let cost = model.follow(estimate.samples, rate, estimate.instructions, estimate.code)?;
-        Some(Self { estimate, processor, accelerometer, cost })
+        Some(Self { estimate, processor, accelerometer: *accelerometer, cost })
     }
 
     fn cells(&self) -> Vec<String> {

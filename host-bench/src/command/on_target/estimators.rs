@@ -6,7 +6,7 @@ use super::rows::{self, Case, Column, RADAU, Steps};
 use crate::on_target::{Bench, Error};
 use firmware_example::variant::named;
 use firmware_example::workload::{bump_stop, contact_separation, sliding};
-use model_core::energy::cost::Code;
+use harvester_scene::market::Code;
 
 const ESTIMATE: Column = ("estimate", |row, _| row.workload.name.clone());
 const PER_CALL: Column = ("instructions per sample or call", rows::PER_STEP.1);

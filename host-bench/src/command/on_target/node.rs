@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use firmware_example::node::parts::{BURST, RATE};
 use firmware_example::node::{Entry, IMAGE_BYTES, Work};
-use model_core::energy::cost::{Accelerometer, Code, CostModel, Processor};
+use harvester_scene::market::{Accelerometer, Code, CostModel, Processor};
 use model_core::node::IncomeOfTime;
 use serde_json::{Value, json};
 
@@ -171,10 +171,8 @@ const READINGS: f64 = 12.0;
 /// The shares of the income that the readings of a node by the voltage take, on the parts that have the core.
 fn of_voltage(core: Core, bare: &Bare) -> Vec<(&'static str, f64)> {
     let [_, reading, _] = instructions(bare);
-    let share = |part: Processor<f64>| {
-        let model = CostModel::new(part, Accelerometer::adxl362());
-        let computing = model.processor.computing(reading, Code::Filter);
-        let energy = model.voltage_reading.value + model.start_energy() + computing;
+    let share = |part: Processor| {
+        let energy = CostModel::new(part, Accelerometer::all()[0]).reading(reading);
         (part.name, READINGS * energy / (3600.0 * INCOME))
     };
     parts(core).into_iter().map(share).collect()
@@ -253,14 +251,12 @@ fn knowing(core: Core, found: &Followed, output: &mut Output) -> Vec<(&'static s
     let readings = f64::from(calls(&found.whole, Work::Reading).calls);
     let bursts = f64::from(calls(&found.whole, Work::Burst).calls);
     let income = joules(found.whole.world.plant().income);
-    let lines: Vec<(Processor<f64>, [f64; 3])> = parts(core)
+    let lines: Vec<(Processor, [f64; 3])> = parts(core)
         .into_iter()
         .filter_map(|part| {
-            let model = CostModel::new(part, Accelerometer::adxl362());
-            let reading = model.voltage_reading.value
-                + model.start_energy()
-                + model.processor.computing(reading, Code::Filter);
-            let burst = model.listen(BURST, RATE.into(), burst, Code::Filter)?.total();
+            let model = CostModel::new(part, Accelerometer::named("adxl362")?);
+            let reading = model.reading(reading);
+            let burst = model.burst(BURST, RATE.into(), burst, Code::Filter)?.total();
             Some((part, [reading, burst, (readings * reading + bursts * burst) / income]))
         })
         .collect();

@@ -38,6 +38,20 @@
 
 use core::fmt;
 
+/// How well a map was found to agree with the full model, at random places off its nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Agreement {
+    /// Number of places by which the bounds were measured.
+    pub places: u32,
+    /// Median of the relative error.
+    pub median: f32,
+    /// 90th percentile of the relative error.
+    pub percentile_90: f32,
+    /// Share of other places at which the bounds hold.
+    pub bounds_hold: f32,
+}
+
 use super::coordinate::Spacing;
 use super::words::Stored;
 use crate::snapshot::Fingerprint;

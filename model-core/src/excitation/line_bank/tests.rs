@@ -31,7 +31,7 @@ fn lines<const M: usize, const P: usize>(
 fn a_line_on_gravity_is_found_wherever_it_is_between_the_bins() {
     let bank = bank();
     for step in 0..40 {
-        let frequency = f64::from(bank.reference_frequency()) + 0.025 * f64::from(step - 20);
+        let frequency = f64::from(bank.reference_hz) + 0.025 * f64::from(step - 20);
         for amplitude in [0.2, 2.0, 20.0] {
             let found = lines(&bank, 400.0, |t| 9.81 + amplitude * (TAU * frequency * t + 0.7).sin());
             assert_eq!(found.len(), 4);
@@ -50,7 +50,7 @@ fn a_line_on_gravity_is_found_wherever_it_is_between_the_bins() {
 #[test]
 fn gravity_and_harmonics_alone_are_no_line() {
     let bank = bank();
-    let f = f64::from(bank.reference_frequency());
+    let f = f64::from(bank.reference_hz);
     let found =
         lines(&bank, 400.0, |t| 9.81 + 5.0 * (TAU * 2.0 * f * t).sin() + 3.0 * (TAU * 3.0 * f * t).cos());
     assert!(found.iter().all(|line| line.amplitude < 0.02), "{found:?}");
@@ -166,7 +166,7 @@ fn a_line_beyond_the_bins_appears_attenuated() {
     let bank = LineBank::<80, 16>::new(400.0, 20.0, 0.1, 1e-3).expect("in bounds");
     let section_rate = 5.0;
     for part in [0.75_f64, 0.85, 0.9] {
-        let frequency = f64::from(bank.reference_frequency()) + part * section_rate;
+        let frequency = f64::from(bank.reference_hz) + part * section_rate;
         let attenuated = (std::f64::consts::PI * part).sin() / (std::f64::consts::PI * part);
         for line in lines(&bank, 400.0, |t| 1.0 * (TAU * frequency * t).sin()) {
             // The droop of its place among the bins is divided out.
@@ -179,7 +179,7 @@ fn a_line_beyond_the_bins_appears_attenuated() {
 #[test]
 fn the_largest_samples_do_not_overflow() {
     let bank = LineBank::<128, 32>::new(1600.0, 40.0, 0.1, 1e-3).expect("in bounds");
-    let f = TAU * f64::from(bank.reference_frequency());
+    let f = TAU * f64::from(bank.reference_hz);
     for line in lines(&bank, 1600.0, |t| if (f * t + 1e-3).sin() > 0.0 { 32.767 } else { -32.768 }) {
         // The fundamental of a square wave.
         assert!(

@@ -38,8 +38,7 @@ pub struct Sensor {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bursts {
-    /// Energy of a burst in J at the load: sensor with its start-up, transfer, computing, wake-ups. 0 to 10. See
-    /// [`CostModel::listen`](crate::energy::cost::CostModel::listen).
+    /// Energy of a burst in J at the load: sensor with its start-up, transfer, computing, wake-ups. 0 to 10.
     pub energy: f32,
     /// J by which the bound of an hour must narrow for each J that a burst costs, 0 to 10⁶. Bursts then end a
     /// time in which the power has changed by as much.

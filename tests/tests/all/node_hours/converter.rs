@@ -1,6 +1,6 @@
 //! Converters that do not answer, or answer with glitches.
 
-use model_core::energy::cost::Processor;
+use harvester_scene::market::Processor;
 use model_core::node::{StoreReading, Task, Tier};
 
 use super::plant::{OneNode, OneState};
@@ -9,7 +9,7 @@ use super::{INCOME, build, map};
 
 /// Forty hours of a full storage whose code is `code(reading)`; the wakes, and the state.
 fn forty_hours(code: impl Fn(u32) -> Option<u32>) -> (u32, OneState, OneNode) {
-    let node = build(Kind::ContactSeparation, Processor::nrf52832(), 1e-3, 0.2).node(
+    let node = build(Kind::ContactSeparation, Processor::named("nrf52832").expect("a part"), 1e-3, 0.2).node(
         map(Kind::ContactSeparation),
         INCOME / 2.9e-6,
         0.0,

@@ -1,6 +1,6 @@
 //! A node on a plant: storage, converter and sensor, with an income that is known minute by minute.
 
-use model_core::energy::cost::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
+use harvester_scene::market::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
 use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
 use model_core::excitation::LineBank;
 use model_core::node::{
@@ -49,7 +49,7 @@ const CONVERTER_NOISE: f64 = 0.6e-3;
 pub(super) struct Build {
     pub(super) kind: Kind,
     pub(super) capacitance: f64,
-    pub(super) processor: Processor<f64>,
+    pub(super) processor: Processor,
     /// Mean income in W that the harvester is scaled to.
     pub(super) income: f64,
     /// Standing power, and energy of an action, in W and J.
@@ -199,8 +199,8 @@ fn rate(kind: Kind) -> f64 {
     if kind == Kind::BumpStop { 800.0 } else { 100.0 }
 }
 
-fn accelerometer(kind: Kind) -> Accelerometer<f64> {
-    if kind == Kind::BumpStop { Accelerometer::bma400() } else { Accelerometer::adxl367() }
+fn accelerometer(kind: Kind) -> Accelerometer {
+    Accelerometer::named(if kind == Kind::BumpStop { "bma400" } else { "adxl367" }).expect("a part")
 }
 
 const BLOCKS: u32 = 1;
@@ -208,10 +208,7 @@ const BLOCKS: u32 = 1;
 impl Build {
     /// Energy in J of a reading of so many instructions.
     fn reading(&self, instructions: f64) -> f64 {
-        let cost = CostModel::new(self.processor, accelerometer(self.kind));
-        cost.voltage_reading.value
-            + cost.processor.wake_up_energy()
-            + cost.processor.computing(instructions, Code::Filter)
+        CostModel::new(self.processor, accelerometer(self.kind)).reading(instructions)
     }
 
     fn storage(&self, scale: f64) -> StorageParameters<f32> {
@@ -235,7 +232,7 @@ impl Build {
 
     fn voltage_parameters(&self, scale: f64, capacitance: f32) -> VoltageParameters<1> {
         let small = |energy: f64| (energy / scale) as f32;
-        let instructions = f64::from(node_instructions(self.processor.core).reading);
+        let instructions = node_instructions(self.processor.core).reading;
         VoltageParameters {
             storage: self.storage(scale),
             converter: Converter { bits: 12, full_scale: 5.0, noise: CONVERTER_NOISE as f32 },
@@ -271,9 +268,9 @@ impl Build {
         let sensor = accelerometer(self.kind);
         let Instructions { sample, block, .. } = node_instructions(self.processor.core);
         let samples = bank.block() as u32 * BLOCKS;
-        let instructions = f64::from(samples) * f64::from(sample) + f64::from(BLOCKS) * f64::from(block);
+        let instructions = f64::from(samples) * sample + f64::from(BLOCKS) * block;
         let cost = CostModel::new(self.processor, sensor);
-        let energy = cost.listen(samples, rate, instructions, Code::Filter).expect("a rate").total();
+        let energy = cost.burst(samples, rate, instructions, Code::Filter).expect("a rate").total();
         let parameters = MapParameters {
             voltage: self.voltage_parameters(scale, capacitance),
             sensor: Sensor {
@@ -501,7 +498,8 @@ impl<'a, N: Strategy> World<'a, N> {
 
 #[test]
 fn a_lock_out_within_a_sleep_and_one_by_an_action_are_counted() {
-    let build = super::build(Kind::ContactSeparation, Processor::nrf52832(), 1e-3, 0.2);
+    let build =
+        super::build(Kind::ContactSeparation, Processor::named("nrf52832").expect("a part"), 1e-3, 0.2);
     let node = build.node(super::map(build.kind), 1.0, 0.0, 1.0);
     // Half an hour without income, and one with 1 mJ a minute: at its end the storage is full again.
     let minutes: Vec<f64> = (0..60).map(|minute| if minute < 30 { 0.0 } else { 1e-3 }).collect();
@@ -525,7 +523,8 @@ fn a_lock_out_within_a_sleep_and_one_by_an_action_are_counted() {
 
 #[test]
 fn the_hours_of_a_lock_out_are_inside_their_bounds() {
-    let build = super::build(Kind::ContactSeparation, Processor::nrf52832(), 1e-3, 0.01);
+    let build =
+        super::build(Kind::ContactSeparation, Processor::named("nrf52832").expect("a part"), 1e-3, 0.01);
     let node = build.node(super::map(build.kind), 1.0, 0.0, 1.0);
     let plant = AS_STATED;
     let mut lock_outs = 0;

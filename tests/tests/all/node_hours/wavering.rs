@@ -4,8 +4,8 @@
 //! A modelled power that varies while the storage averages it must change neither the gain of the map nor the standing
 //! power, a storage that is full must not stay so, and shaking that begins and ends unseen must not change the gain.
 
+use harvester_scene::market::Processor;
 use model_core::energy::ResponseMap;
-use model_core::energy::cost::Processor;
 
 use super::plant::{AS_STATED, Build, OneState, Plant, Run, Source, World};
 use super::truth::{Kind, Shaking, tone};
@@ -65,8 +65,10 @@ impl Case {
             shaking.extend(std::iter::repeat_n(tone(amplitude, FREQUENCY), self.hold));
         }
         let mean = minutes.iter().sum::<f64>() / (60.0 * minutes.len() as f64);
-        let build =
-            Build { of_highest: 0.03, ..build(kind, Processor::nrf52832(), self.capacitance, self.spread) };
+        let build = Build {
+            of_highest: 0.03,
+            ..build(kind, Processor::named("nrf52832").expect("a part"), self.capacitance, self.spread)
+        };
         let node = build.node(bytes, build.income / mean, 0.0, 1.0);
         minutes.iter_mut().for_each(|minute| *minute *= self.gain);
         let plant = Plant { highest: self.highest, ..AS_STATED };

@@ -86,8 +86,8 @@ pub struct PartFigure {
     pub quantity: &'static str,
     /// The value in that unit.
     pub value: f64,
-    /// `confirmed`, `secondary`, `unconfirmed` or `estimated`.
-    pub evidence: &'static str,
+    /// How far it is known.
+    pub evidence: crate::market::Evidence,
     /// The document, or the assumption.
     pub source: &'static str,
 }
