@@ -43,8 +43,8 @@ use core::fmt;
 use checksum::Checksum;
 pub use checksum::Fingerprint;
 pub use configuration::Configuration;
-pub use image::{Image, image_size, newest_image, save_image};
-pub(crate) use image::{NUMBERED, newest_slot, number, read_image};
+pub use image::{Image, image_size, newest_image, read_image, save_image};
+pub(crate) use image::{NUMBERED, newest_slot, number};
 
 const MAGIC: u32 = u32::from_le_bytes(*b"VEHI");
 /// Version of the layout of the snapshot and of every state in it.

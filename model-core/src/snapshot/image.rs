@@ -78,12 +78,13 @@ pub fn save_image<C: Configuration>(
     })
 }
 
-/// Reads the image at the front of `bytes` to `state`, as [`save_image`] wrote it for the same configuration; gives its number.
+/// Reads the image at the front of `bytes` to `state`, as [`save_image`] wrote it for the same configuration; gives its number. For a
+/// store that finds the newest bytes itself, such as a map of keys to values in flash.
 ///
 /// # Errors
 /// As [`restore`]. The state has no meaning then.
 #[inline(never)]
-pub(crate) fn read_image<C: Configuration>(
+pub fn read_image<C: Configuration>(
     configuration: &C,
     bytes: &[u8],
     state: &mut C::State,

@@ -1,5 +1,6 @@
 //! The loop of a node over its board: power-downs, torn images, a memory and a sensor that fail.
 
+mod own_loop;
 mod power_downs;
 
 use firmware_example::workload::response_map::contact_separation::{FINGERPRINT, MAP};

@@ -4,9 +4,9 @@
 use super::*;
 
 /// Energies of the actions in J: 10 µW at the load.
-const DEAR: [f64; 2] = [200e-6, 2e-3];
+pub(super) const DEAR: [f64; 2] = [200e-6, 2e-3];
 
-fn dear_node() -> &'static OneNode {
+pub(super) fn dear_node() -> &'static OneNode {
     let mut parameters = PARAMETERS;
     for (regular, energy) in parameters.voltage.actions.iter_mut().zip(DEAR) {
         regular.energy = energy as f32;
