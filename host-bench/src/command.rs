@@ -10,6 +10,7 @@ pub mod fit;
 pub mod keys;
 pub mod map;
 pub mod needs;
+pub mod node_strategies;
 pub mod on_target;
 pub mod optimise;
 pub mod overview;

@@ -20,6 +20,7 @@ mod resolution;
 pub mod run;
 pub mod seeds;
 mod shift;
+pub mod simulated_node;
 pub mod stability;
 mod work_precision;
 

@@ -214,7 +214,7 @@ type OneNode = MapNode<&'static [u8], 20, 32, 2>;
 type OneState = MapState<32, 2>;
 
 fn node() -> OneNode {
-    let bytes: &[u8] = include_bytes!("../../../tests/tests/all/node_hours/node.bin");
+    let bytes: &[u8] = include_bytes!("../../../host-bench/src/simulated_node/contact-separation.bin");
     let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
     let parameters = MapParameters {
         voltage: VoltageParameters {

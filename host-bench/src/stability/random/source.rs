@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 
 /// A sequence of random numbers.
-#[derive(Debug)]
-pub(crate) struct Source(u64);
+#[derive(Debug, Clone, Copy)]
+pub struct Source(u64);
 
 /// The increment of SplitMix64: the golden ratio in 64 bits.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -17,7 +17,8 @@ impl Source {
     }
 
     /// The sequence of a seed alone.
-    pub(crate) fn of_seed(seed: u64) -> Self {
+    #[must_use]
+    pub fn of_seed(seed: u64) -> Self {
         Self(seed)
     }
 
@@ -35,9 +36,14 @@ impl Source {
     }
 
     /// From `lowest` to `highest`, uniform.
-    pub(crate) fn uniform(&mut self, lowest: f64, highest: f64) -> f64 {
+    pub fn uniform(&mut self, lowest: f64, highest: f64) -> f64 {
         let part = (self.bits() >> 11) as f64 / (1_u64 << 53) as f64;
         lowest + part * (highest - lowest)
+    }
+
+    /// Normal with the variance 1, as the sum of twelve.
+    pub(crate) fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform(0.0, 1.0) - 0.5).sum()
     }
 
     /// From `lowest` to `highest`, both above 0, with a uniform logarithm.

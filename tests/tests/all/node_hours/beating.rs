@@ -7,8 +7,7 @@ use model_core::energy::{Response, ResponseMap};
 use model_core::excitation::{LineBank, Lines};
 use model_core::node::{Finding, Modelled};
 
-use super::map;
-use super::truth::Kind;
+use host_bench::simulated_node::Kind;
 
 /// A line in Hz, and one beside it that the bank does not mix with it.
 const LINES: [f64; 2] = [20.2, 19.3];
@@ -38,7 +37,7 @@ fn blocks(amplitudes: [f64; 2]) -> Vec<Lines> {
 
 #[test]
 fn a_beat_that_reaches_beyond_the_boundary_is_told_with_the_yield_there() {
-    let bytes = map(Kind::ContactSeparation);
+    let bytes = Kind::ContactSeparation.map();
     let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
     let response = ResponseMap::new(bytes, fingerprint).expect("a map");
     let at = |amplitude: f64| response.at(amplitude as f32, LINES[0] as f32);

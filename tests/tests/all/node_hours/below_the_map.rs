@@ -4,12 +4,11 @@ use model_core::energy::ResponseMap;
 use model_core::excitation::Lines;
 use model_core::node::{Finding, Modelled};
 
-use super::map;
-use super::truth::Kind;
+use host_bench::simulated_node::Kind;
 
 #[test]
 fn noise_whose_peaks_reach_into_the_map_is_no_rest() {
-    let bytes = map(Kind::Sliding);
+    let bytes = Kind::Sliding.map();
     let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
     let response = ResponseMap::new(bytes, fingerprint).expect("a map");
     let [lowest, _] = response.amplitudes();
@@ -26,7 +25,7 @@ fn noise_whose_peaks_reach_into_the_map_is_no_rest() {
 
 #[test]
 fn a_line_below_the_map_and_beside_the_resonance_is_covered() {
-    let bytes = map(Kind::BumpStop);
+    let bytes = Kind::BumpStop.map();
     let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
     let response = ResponseMap::new(bytes, fingerprint).expect("a map");
     let [lowest, _] = response.amplitudes();

@@ -1,20 +1,13 @@
 //! Converters that do not answer, or answer with glitches.
 
-use harvester_scene::market::Processor;
+use super::part;
 use model_core::node::{StoreReading, Task, Tier};
 
-use super::plant::{OneNode, OneState};
-use super::truth::Kind;
-use super::{INCOME, build, map};
+use host_bench::simulated_node::{Kind, OneNode, OneState, Settings};
 
 /// Forty hours of a full storage whose code is `code(reading)`; the wakes, and the state.
 fn forty_hours(code: impl Fn(u32) -> Option<u32>) -> (u32, OneState, OneNode) {
-    let node = build(Kind::ContactSeparation, Processor::named("nrf52832").expect("a part"), 1e-3, 0.2).node(
-        map(Kind::ContactSeparation),
-        INCOME / 2.9e-6,
-        0.0,
-        1.0,
-    );
+    let node = Settings::new(Kind::ContactSeparation, part("nrf52832"), 1e-3, 0.2).map().node;
     let mut state = node.start(0);
     let (mut second, mut wakes, mut readings) = (0, 0, 0);
     let mut wake = node.wake(&mut state, second, Some(2800));

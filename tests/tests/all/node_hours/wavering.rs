@@ -4,12 +4,14 @@
 //! A modelled power that varies while the storage averages it must change neither the gain of the map nor the standing
 //! power, a storage that is full must not stay so, and shaking that begins and ends unseen must not change the gain.
 
-use harvester_scene::market::Processor;
+use super::part;
 use model_core::energy::ResponseMap;
 
-use super::plant::{AS_STATED, Build, OneState, Plant, Run, Source, World};
-use super::truth::{Kind, Shaking, tone};
-use super::{Errors, INCOME, build, map};
+use host_bench::simulated_node::{
+    Errors, Hour, Kind, OneState, Parts, Run, Settings, Shaking, Source, World, tone,
+};
+
+use super::INCOME;
 
 const HOURS: usize = 300;
 const FREQUENCY: f64 = 20.13;
@@ -41,45 +43,40 @@ const WAVERING: Case = Case {
 };
 
 impl Case {
-    fn run(&self) -> Run<OneState> {
+    fn run(&self) -> (Run, OneState) {
         self.run_with(|_| {})
     }
 
     /// Runs, and calls `each` with the gain of the map and its bound at each sleep.
-    fn run_with(&self, mut each: impl FnMut([f64; 2])) -> Run<OneState> {
+    fn run_with(&self, mut each: impl FnMut([f64; 2])) -> (Run, OneState) {
         let kind = Kind::ContactSeparation;
-        let bytes = map(kind);
+        let bytes = kind.map();
         let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
         let response = ResponseMap::new(bytes, fingerprint).expect("a map");
-        let mut random = Source(5);
+        let mut random = Source::of_seed(5);
         let (mut minutes, mut shaking) = (Vec::new(), Vec::<Shaking>::new());
         let [low, high] = self.amplitudes;
         for index in 0.. {
             if minutes.len() >= 60 * HOURS {
                 break;
             }
-            let part = if self.alternate { f64::from(index % 2) } else { random.uniform() };
+            let part = if self.alternate { f64::from(index % 2) } else { random.uniform(0.0, 1.0) };
             let amplitude = low * (high / low).powf(part);
             let power = response.at(amplitude as f32, FREQUENCY as f32).income().expect("inside").value;
             minutes.extend(std::iter::repeat_n(60.0 * f64::from(power), self.hold));
             shaking.extend(std::iter::repeat_n(tone(amplitude, FREQUENCY), self.hold));
         }
-        let mean = minutes.iter().sum::<f64>() / (60.0 * minutes.len() as f64);
-        let build = Build {
-            of_highest: 0.03,
-            ..build(kind, Processor::named("nrf52832").expect("a part"), self.capacitance, self.spread)
-        };
-        let node = build.node(bytes, build.income / mean, 0.0, 1.0);
+        let settings = Settings::new(kind, part("nrf52832"), self.capacitance, self.spread);
+        let settings = Settings { of_highest: 0.03, ..settings }.scaled(&minutes);
         minutes.iter_mut().for_each(|minute| *minute *= self.gain);
-        let plant = Plant { highest: self.highest, ..AS_STATED };
-        World::new(&build, &node, (&minutes, &shaking), plant, 7).run(|state| {
-            each(state.gain().map(f64::from));
-            state
-        })
+        let (mut node, parts) = (settings.map(), Parts { highest: self.highest, ..Parts::AS_STATED });
+        let world = World::new(&settings, (&minutes, &shaking), parts, 7);
+        let run = world.run(&mut node, |running| each(running.state.gain().map(f64::from)));
+        (run, node.state)
     }
 }
 
-fn sum(run: &Run<OneState>, of: fn(&super::Hour) -> f64) -> f64 {
+fn sum(run: &Run, of: fn(&Hour) -> f64) -> f64 {
     run.hours.iter().map(of).sum()
 }
 
@@ -88,10 +85,10 @@ fn what_changes_between_two_bursts_does_not_move_the_gain() {
     for hold in [1, 3, 30] {
         for capacitance in [10e-3, 0.1] {
             for spread in [0.2, 0.01] {
-                let run = Case { hold, capacitance, spread, ..WAVERING }.run();
+                let (run, state) = Case { hold, capacitance, spread, ..WAVERING }.run();
                 let errors = Errors::of(run.hours.iter());
                 let told = sum(&run, |hour| hour.told) / sum(&run, |hour| hour.truth);
-                let [gain, of_gain] = run.state.gain();
+                let [gain, of_gain] = state.gain();
                 println!(
                     "{hold} min, {capacitance} F, {spread}: inside {:.3}, bound {:.3}, told {told:.3}, gain {gain:.2} \
                      ± {of_gain:.2}",
@@ -108,10 +105,10 @@ fn what_changes_between_two_bursts_does_not_move_the_gain() {
 #[test]
 fn a_storage_that_is_full_is_used() {
     for hold in [1, 60, 600] {
-        let run = Case { hold, ..WAVERING }.run();
+        let (run, state) = Case { hold, ..WAVERING }.run();
         let errors = Errors::of(run.hours.iter());
         let spent = 0.3e-3 * f64::from(run.actions) / (INCOME * 3600.0 * HOURS as f64);
-        let [gain, of_gain] = run.state.gain();
+        let [gain, of_gain] = state.gain();
         println!(
             "{hold} min: inside {:.3}, bound {:.3}, {:.3} spent on actions, {:.3} shunted, gain {gain:.2} ± {of_gain:.2}",
             errors.inside, errors.bound, spent, run.shunted
@@ -132,14 +129,14 @@ fn strong_shaking_that_ends_while_the_storage_is_full_does_not_change_the_gain()
                     let case = Case { amplitudes, alternate: true, hold, capacitance, gain, ..WAVERING };
                     // The gain at its most certain, and how often it is inside its bound.
                     let (mut best, mut inside, mut sleeps) = ([0.0, f64::INFINITY], 0.0, 0.0);
-                    let run = case.run_with(|[learnt, of_gain]| {
+                    let (run, state) = case.run_with(|[learnt, of_gain]| {
                         best = if of_gain < best[1] { [learnt, of_gain] } else { best };
                         inside += f64::from((learnt - gain).abs() <= of_gain);
                         sleeps += 1.0;
                     });
                     let errors = Errors::of(run.hours.iter());
                     let told = sum(&run, |hour| hour.told) / sum(&run, |hour| hour.truth);
-                    let [learnt, of_gain] = run.state.gain();
+                    let [learnt, of_gain] = state.gain();
                     println!(
                         "{amplitudes:?} m/s2, {hold} min, {capacitance} F, gain {gain}: inside {:.3}, bound {:.3}, told \
                          {told:.3}, gain {learnt:.2} ± {of_gain:.2}, at best {:.2} ± {:.2}, inside {:.3}",
@@ -166,10 +163,10 @@ fn strong_shaking_that_ends_while_the_storage_is_full_does_not_change_the_gain()
 fn the_voltage_of_a_full_storage_need_not_be_known_to_more_than_three_hundredths() {
     for capacitance in [1e-3, 10e-3, 0.1] {
         for highest in [0.975, 0.99, 0.998, 1.0, 1.002, 1.02] {
-            let run = Case { hold: 30, capacitance, highest, gain: 3.0, ..WAVERING }.run();
+            let (run, state) = Case { hold: 30, capacitance, highest, gain: 3.0, ..WAVERING }.run();
             let errors = Errors::of(run.hours.iter());
             let told = sum(&run, |hour| hour.told) / sum(&run, |hour| hour.truth);
-            let [gain, of_gain] = run.state.gain();
+            let [gain, of_gain] = state.gain();
             println!(
                 "{highest} of the highest voltage, {capacitance} F: inside {:.3}, bound {:.3}, told {told:.3}, gain \
                  {gain:.2} ± {of_gain:.2}, {} actions, {:.3} shunted",

@@ -91,8 +91,10 @@ impl Firmware {
     }
 }
 
-/// What happens to the board in 900 s, and the gap that the firmware states.
-fn losses() -> [(&'static str, fn(&mut Bench), fn(u32) -> Gap); 4] {
+/// A kind of power loss: what happens to the board in it, and the gap that the firmware states.
+type Loss = (&'static str, fn(&mut Bench), fn(u32) -> Gap);
+
+fn losses() -> [Loss; 4] {
     [
         ("a reset", |_| (), Gap::OnUntil),
         ("off", |board| board.pass(900, POWER * 0.9), Gap::OffUntil),

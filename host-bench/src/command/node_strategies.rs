@@ -1,0 +1,88 @@
+//! `node-strategies`: ways by which a node knows its income and decides on its actions, beside each other.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum as _;
+use comfy_table::presets;
+use serde::Serialize;
+
+use super::files::Outputs;
+use super::{json_text, one_more, print, progress};
+use crate::method::Failure;
+use crate::outcome::{Fields, Format, fields, rows_csv, shown, table};
+use crate::report::html::is_page;
+use crate::simulated_node::{Course, Extent, Kind, picture, rows, timelines};
+
+#[derive(Debug, Clone, clap::Args)]
+#[command(
+    after_help = "Run time: a minute of CPU, most of it the trajectories; it grows with hours and seeds"
+)]
+pub struct NodeStrategiesArguments {
+    /// Which harvester only: that of node.toml, sliding.toml or bump-stop-none.toml
+    #[arg(value_enum, value_name = "SCENE")]
+    scene: Option<Kind>,
+    /// What shakes the harvester; may be repeated [default: all but month]
+    #[arg(long, value_enum)]
+    course: Vec<Course>,
+    /// Hours of each timeline, as many of a harvester as designed and of one that is off
+    #[arg(long, value_name = "COUNT", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=240))]
+    hours: u16,
+    /// Noises of the ADC and true parts with which each timeline is run
+    #[arg(long, value_name = "COUNT", default_value_t = 2, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    seeds: u64,
+    /// Count hours in which the storage was full too
+    #[arg(long)]
+    with_full: bool,
+    /// Output format
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// Write a day of each strategy to this file, a picture (.svg) or a page with zoom (.html)
+    #[arg(long, value_name = "FILE.svg|.html")]
+    page: Option<PathBuf>,
+}
+
+/// Runs all strategies on all timelines and prints the rows.
+pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
+    let outputs = Outputs::of_shipped(["node", "sliding", "bump-stop-none"]);
+    if let Some(file) = &arguments.page {
+        outputs.check_picture("--page", file, &["svg", "html"])?;
+    }
+    let courses = match &arguments.course[..] {
+        [] => vec![Course::Random, Course::Truck, Course::Speed, Course::Walking],
+        some => some.to_vec(),
+    };
+    let extent = Extent {
+        kinds: arguments.scene.map_or_else(|| Kind::value_variants().to_vec(), |kind| vec![kind]),
+        courses,
+        hours: arguments.hours.into(),
+        seeds: arguments.seeds,
+        with_full: arguments.with_full,
+    };
+    let lines = timelines(&extent)?;
+    if lines.is_empty() {
+        let text = "--course: must not be truck or walking alone for sliding, whose slider they do not move";
+        return Err(Failure::Input(text.to_owned()));
+    }
+    let bar = progress(216);
+    let rows = rows(&extent, &lines, || one_more(&bar));
+    bar.finish_and_clear();
+    if let Some(file) = &arguments.page {
+        let plots = picture::plots(arguments.scene.unwrap_or(Kind::ContactSeparation))?;
+        outputs.write(file, &if is_page(file) { picture::page(&plots)? } else { picture::svg(&plots)? })?;
+    }
+    print_rows(&rows, arguments.format, 3)
+}
+
+/// Prints rows of the same keys, of which the first few are words.
+pub(super) fn print_rows(rows: &[impl Serialize], format: Format, words: usize) -> Result<(), Failure> {
+    let named: Vec<Fields> = rows.iter().map(fields).collect();
+    let columns = || named.iter().take(1).flat_map(Fields::keys);
+    print(&match format {
+        Format::Json => json_text(&rows)?,
+        Format::Csv => rows_csv(columns(), &named),
+        Format::Table => {
+            let cells = named.iter().map(|row| row.values().map(shown).collect::<Vec<_>>());
+            table(presets::NOTHING, columns().cloned().collect::<Vec<_>>(), cells, words)
+        }
+    })
+}

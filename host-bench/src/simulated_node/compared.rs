@@ -1,0 +1,300 @@
+//! Strategies beside each other: what each knows of its income, and how many actions it runs.
+
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
+use harvester_scene::market::Processor;
+use rayon::prelude::*;
+
+use super::Source;
+use super::baseline::{Baseline, Rule};
+use super::harvester::Kind;
+use super::oracle::{Oracle, Planned};
+use super::plant::{Hour, Parts, Run, World};
+use super::settings::Settings;
+use super::timeline::{Course, Timeline};
+use crate::method::Failure;
+
+/// How a node knows its income and decides on its actions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Name {
+    Voltage,
+    Map,
+    Difference,
+    Ewma,
+    Fixed,
+    Oracle,
+}
+
+impl Name {
+    pub const ALL: [Self; 6] =
+        [Self::Voltage, Self::Map, Self::Difference, Self::Ewma, Self::Fixed, Self::Oracle];
+}
+
+/// A storage: its capacitance in F, its leakage resistance in Ω, and how far its capacitance may be off at most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Storage {
+    pub name: &'static str,
+    pub capacitance: f64,
+    pub leakage: f64,
+    pub of_capacitance: f64,
+}
+
+const fn capacitor(capacitance: f64) -> Storage {
+    Storage { name: "capacitor", capacitance, leakage: f64::INFINITY, of_capacitance: 0.0 }
+}
+
+/// Those of the rows. The supercapacitors leak 0.22 and 0.9 µW at 3 V.
+pub(super) const STORAGES: [Storage; 6] = [
+    capacitor(0.47e-3),
+    capacitor(1e-3),
+    capacitor(10e-3),
+    capacitor(0.1),
+    Storage { name: "supercapacitor", capacitance: 0.2, leakage: 40e6, of_capacitance: 0.2 },
+    Storage { name: "supercapacitor", capacitance: 1.0, leakage: 10e6, of_capacitance: 0.2 },
+];
+/// Relative deviations of the standing power: measured, and by data sheets.
+const SPREADS: [f64; 2] = [0.01, 0.2];
+/// How far a leakage may be off at most.
+const OF_LEAKAGE: f64 = 0.5;
+/// Standard deviation of the gain of the map of a harvester as designed.
+const DESIGNED_GAIN: f64 = 0.1;
+/// Seconds between the actions of `fixed`.
+const PERIODS: [u32; 18] =
+    [40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 160, 180, 200, 240, 300, 600, 1200];
+
+/// What rows are of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extent {
+    pub kinds: Vec<Kind>,
+    pub courses: Vec<Course>,
+    /// Of a timeline.
+    pub hours: usize,
+    /// Noises of the converter and true parts with which each timeline is run.
+    pub seeds: u64,
+    /// Whether hours in which the storage was full count too.
+    pub with_full: bool,
+}
+
+/// The timelines of an extent, of a harvester as designed and of one that is off. Friction holds a slider under random
+/// vibration and under steps, which are left out.
+///
+/// # Errors
+/// If a shipped scene cannot be read or stepped.
+pub fn timelines(extent: &Extent) -> Result<Vec<Timeline>, Failure> {
+    let mut all = Vec::new();
+    for &kind in &extent.kinds {
+        for &course in &extent.courses {
+            let holds = kind == Kind::Sliding && matches!(course, Course::Truck | Course::Walking);
+            let seed = 17 * kind as u64 + 1000 * course as u64;
+            all.extend(
+                [(kind, true, course, seed + 1), (kind, false, course, seed)].into_iter().filter(|_| !holds),
+            );
+        }
+    }
+    all.into_par_iter()
+        .map(|(kind, as_designed, course, seed)| Timeline::new(kind, as_designed, course, extent.hours, seed))
+        .collect()
+}
+
+/// Errors of hours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    pub hours: usize,
+    /// Share of hours inside their bound.
+    pub inside: f64,
+    /// Medians of the error and of the bound over the truth, of hours with an income.
+    pub median: f64,
+    pub bound: f64,
+}
+
+impl Errors {
+    pub fn of<'a>(hours: impl Iterator<Item = &'a Hour>) -> Self {
+        let hours: Vec<&Hour> = hours.collect();
+        let median = |of: fn(&Hour) -> f64| {
+            let mut values: Vec<f64> =
+                hours.iter().filter(|hour| hour.truth > 0.0).map(|hour| of(hour) / hour.truth).collect();
+            values.sort_by(f64::total_cmp);
+            values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+        };
+        let inside = hours.iter().filter(|hour| hour.is_inside()).count();
+        Self {
+            hours: hours.len(),
+            inside: inside as f64 / hours.len() as f64,
+            median: median(|hour| (hour.told - hour.truth).abs()),
+            bound: median(|hour| hour.bound),
+        }
+    }
+}
+
+/// What a strategy came to on some timelines.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Came {
+    /// Hours by timeline, noise, and end.
+    pub hours: BTreeMap<[usize; 3], Hour>,
+    pub runs: u32,
+    /// Means over the runs.
+    pub share: f64,
+    pub shunted: f64,
+    pub actions: u32,
+    /// Of an oracle that ends each run with as much, up to the reserve; `None` if one of the runs has no schedule without a
+    /// lock-out.
+    pub actions_of_oracle: Option<u32>,
+    pub lock_outs: u32,
+}
+
+/// A market part with a storage, and how far the standing power may be off at most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setup {
+    pub processor: Processor,
+    pub storage: Storage,
+    pub spread: f64,
+    pub seeds: u64,
+}
+
+impl Setup {
+    /// A node on a timeline.
+    #[must_use]
+    pub fn settings(&self, line: &Timeline) -> Settings {
+        let Storage { capacitance, leakage, of_capacitance, .. } = self.storage;
+        Settings {
+            leakage,
+            of_capacitance: of_capacitance / 3.0_f64.sqrt(),
+            gain: if line.as_designed { DESIGNED_GAIN } else { 1.0 },
+            ..Settings::new(line.kind, self.processor, capacitance, self.spread)
+        }
+        .scaled(&line.minutes)
+    }
+
+    fn world<'a>(&self, line: &'a Timeline, seed: u64) -> World<'a> {
+        let mut random = Source::of_seed(seed);
+        let mut off = |most: f64| 1.0 + most * (2.0 * random.uniform(0.0, 1.0) - 1.0);
+        let (standing, capacitance) = (off(self.spread), off(self.storage.of_capacitance));
+        let parts = Parts { standing, capacitance, leakage: off(OF_LEAKAGE), ..Parts::AS_STATED };
+        World::new(&self.settings(line), (&line.minutes, &line.shaking), parts, seed)
+    }
+
+    /// A run of a strategy on a timeline; `period` in s is of `fixed`.
+    #[must_use]
+    pub fn run(&self, name: Name, line: &Timeline, seed: u64, period: u32) -> Run {
+        let (world, settings) = (self.world(line, seed), self.settings(line));
+        let baseline = |rule| Baseline::new(settings.parameters(), rule);
+        match name {
+            Name::Voltage => world.run(&mut settings.voltage(), |_| {}),
+            Name::Map => world.run(&mut settings.map(), |_| {}),
+            Name::Difference => world.run(&mut baseline(Rule::Difference), |_| {}),
+            Name::Ewma => world.run(&mut baseline(Rule::Ewma(Box::new([None; 48]))), |_| {}),
+            Name::Fixed => world.run(&mut baseline(Rule::Fixed(period)), |_| {}),
+            Name::Oracle => {
+                let seconds = 60 * line.minutes.len();
+                let schedule = |end| Oracle::new(&world, seconds, end).schedule();
+                let acted = schedule(f64::INFINITY).or_else(|| schedule(0.0)).unwrap_or_default();
+                world.run(&mut Planned::new(acted), |_| {})
+            }
+        }
+    }
+
+    /// Runs a strategy on all timelines with each noise.
+    #[must_use]
+    pub fn run_all(&self, name: Name, lines: &[Timeline]) -> Came {
+        let runs = lines.len() as u32 * self.seeds as u32;
+        let mut came = Came { runs, actions_of_oracle: Some(0), ..Came::default() };
+        let periods = if name == Name::Fixed { self.periods(lines) } else { vec![0; lines.len()] };
+        for (number, (line, period)) in lines.iter().zip(periods).enumerate() {
+            for noise in 0..self.seeds {
+                let seed = number as u64 + 1000 * noise;
+                let run = self.run(name, line, seed, period);
+                let end = run.stored.last().copied().unwrap_or(0.0);
+                let oracle = Oracle::new(&self.world(line, seed), run.stored.len() - 1, end).schedule();
+                let both = came.actions_of_oracle.zip(oracle);
+                came.actions_of_oracle = both.map(|(sum, acted)| sum + acted.len() as u32);
+                came.share += run.share / f64::from(runs);
+                came.shunted += run.shunted / f64::from(runs);
+                came.actions += run.actions;
+                came.lock_outs += run.lock_outs;
+                let places = run.hours.iter().map(|hour| ([number, noise as usize, hour.index], *hour));
+                came.hours.extend(places);
+            }
+        }
+        came
+    }
+
+    /// For each timeline the period in s that has most actions on the others, among those with the fewest lock-outs.
+    fn periods(&self, lines: &[Timeline]) -> Vec<u32> {
+        let tried = |(number, line): (usize, &Timeline)| {
+            PERIODS.map(|period| {
+                let run = self.run(Name::Fixed, line, number as u64, period);
+                [run.lock_outs, run.actions]
+            })
+        };
+        let tried: Vec<_> = lines.iter().enumerate().map(tried).collect();
+        let best = |left_out: usize| {
+            let others = |index: usize| {
+                let others = tried.iter().enumerate().filter(|(at, _)| *at != left_out);
+                others.map(|(_, of)| of[index]).fold([0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]])
+            };
+            let order = |index: &usize| (others(*index)[0], Reverse(others(*index)[1]));
+            PERIODS[(0..PERIODS.len()).min_by_key(order).unwrap_or(0)]
+        };
+        (0..lines.len()).map(best).collect()
+    }
+}
+
+/// What a strategy came to with a part and a storage.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Row {
+    pub strategy: Name,
+    pub part: &'static str,
+    pub storage: &'static str,
+    pub capacitance_f: f64,
+    pub draw_spread: f64,
+    pub share: f64,
+    pub error_median: f64,
+    pub bound_median: f64,
+    pub inside: f64,
+    pub hours: usize,
+    pub actions: u32,
+    pub actions_of_oracle: Option<u32>,
+    pub lock_outs: u32,
+    pub shunted: f64,
+}
+
+/// The rows of all strategies, parts and storages on some timelines; `done` is called after each.
+pub fn rows(extent: &Extent, lines: &[Timeline], done: impl Fn()) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for processor in ["nrf52832", "stm32l051", "apollo3"].into_iter().filter_map(Processor::named) {
+        for storage in STORAGES {
+            for spread in SPREADS {
+                let setup = Setup { processor, storage, spread, seeds: extent.seeds };
+                rows.extend(Name::ALL.map(|name| {
+                    done();
+                    Row::new(name, &setup, &setup.run_all(name, lines), extent.with_full)
+                }));
+            }
+        }
+    }
+    rows
+}
+
+impl Row {
+    fn new(strategy: Name, setup: &Setup, came: &Came, with_full: bool) -> Self {
+        let errors = Errors::of(came.hours.values().filter(|hour| with_full || hour.full == 0.0));
+        Self {
+            strategy,
+            part: setup.processor.name,
+            storage: setup.storage.name,
+            capacitance_f: setup.storage.capacitance,
+            draw_spread: setup.spread,
+            share: came.share,
+            error_median: errors.median,
+            bound_median: errors.bound,
+            inside: errors.inside,
+            hours: errors.hours,
+            actions: came.actions,
+            actions_of_oracle: came.actions_of_oracle,
+            lock_outs: came.lock_outs,
+            shunted: came.shunted,
+        }
+    }
+}

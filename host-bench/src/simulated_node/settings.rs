@@ -1,0 +1,185 @@
+//! How a node is built, and what it is told of its parts.
+
+use harvester_scene::market::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
+use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
+use model_core::excitation::LineBank;
+use model_core::node::{
+    Bursts, Converter, MapNode, MapParameters, MapState, Regular, Sensor, Tolerances, VoltageNode,
+    VoltageParameters, VoltageState,
+};
+
+use super::harvester::Kind;
+use super::strategy::Tiered;
+
+/// A node with a map: sections of at most 20 samples, 32 of them in a block; one action.
+pub type OneNode = MapNode<&'static [u8], 20, 32, 1>;
+pub type OneState = MapState<32, 1>;
+
+/// Sensor: m/s² of a count.
+pub(super) const UNIT: f64 = 9.806_65 / 1024.0;
+/// Converter: 12 bits over 5 V, half a cell of noise in V.
+pub(super) const CELL: f64 = 5.0 / 4096.0;
+pub(super) const CONVERTER_NOISE: f64 = 0.6e-3;
+/// Blocks of samples in a burst.
+const BLOCKS: u32 = 1;
+/// Lock-out, turn-on and highest voltage in V.
+const VOLTAGES: [f64; 3] = [1.8, 2.2, 4.5];
+
+/// How a node is built: its storage, what its parts cost, and how far they may be off. Energies in J of a harvester that is
+/// scaled to the income.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    pub kind: Kind,
+    pub processor: Processor,
+    /// Of the storage in F, and its leakage resistance in Ω.
+    pub capacitance: f64,
+    pub leakage: f64,
+    /// Mean income in W that the harvester is scaled to, and the income in W of the harvester as it is over that.
+    pub income: f64,
+    pub scale: f64,
+    /// Standing power in W, and energy of an action in J, with the shortest time in s from one to the next.
+    pub standing: f64,
+    pub action: f64,
+    pub every: u32,
+    /// Energy in J that actions leave above the lock-out.
+    pub reserve: f64,
+    /// Relative deviations of the standing power, of the energy of an action, and of the capacitance: the last two 1σ.
+    pub spread: f64,
+    pub of_action: f64,
+    pub of_capacitance: f64,
+    /// How far the highest voltage of the storage may be below the stated one, relative.
+    pub of_highest: f64,
+    /// Standard deviation of the gain of the map: 1 of a harvester of which nothing was measured.
+    pub gain: f64,
+}
+
+impl Settings {
+    /// A node with an income of 2.9 µW, an action of 0.3 mJ as often as that allows, and a third of its storage as reserve.
+    #[must_use]
+    pub fn new(kind: Kind, processor: Processor, capacitance: f64, spread: f64) -> Self {
+        let [lock_out, _, highest] = VOLTAGES;
+        Self {
+            kind,
+            processor,
+            capacitance,
+            leakage: f64::INFINITY,
+            income: 2.9e-6,
+            scale: 1.0,
+            standing: 0.3e-6,
+            action: 0.3e-3,
+            every: 40,
+            reserve: 0.3 * 0.5 * capacitance * (highest * highest - lock_out * lock_out),
+            spread,
+            of_action: 0.0,
+            of_capacitance: 0.0,
+            of_highest: 0.0,
+            gain: 1.0,
+        }
+    }
+
+    /// For a harvester that yields these energies in J, minute by minute.
+    #[must_use]
+    pub fn scaled(self, minutes: &[f64]) -> Self {
+        Self { scale: self.income / (minutes.iter().sum::<f64>() / (60.0 * minutes.len() as f64)), ..self }
+    }
+
+    fn cost(&self) -> CostModel {
+        let sensor = if self.kind == Kind::BumpStop { "bma400" } else { "adxl367" };
+        CostModel::new(self.processor, Accelerometer::named(sensor).expect("a part"))
+    }
+
+    /// Samples of a burst in a second.
+    pub(super) fn rate(&self) -> f64 {
+        if self.kind == Kind::BumpStop { 800.0 } else { 100.0 }
+    }
+
+    /// What the node by the voltage alone knows, in the energies of the harvester as it is.
+    #[must_use]
+    pub fn parameters(&self) -> VoltageParameters<1> {
+        let small = |energy: f64| (energy / self.scale) as f32;
+        let reading = self.cost().reading(node_instructions(self.processor.core).reading);
+        let [lock_out_voltage, turn_on_voltage, highest_voltage] = VOLTAGES.map(|voltage| voltage as f32);
+        VoltageParameters {
+            storage: StorageParameters {
+                capacitor: Capacitor {
+                    capacitance: small(self.capacitance),
+                    leakage_resistance: (self.leakage * self.scale) as f32,
+                },
+                charging_efficiency: 1.0,
+                discharging_efficiency: 1.0,
+                highest_voltage,
+                lock_out_voltage,
+                turn_on_voltage,
+            },
+            converter: Converter { bits: 12, full_scale: 5.0, noise: CONVERTER_NOISE as f32 },
+            standing_power: small(self.standing),
+            reading: small(reading),
+            intervals: [60, 300],
+            tolerances: Tolerances {
+                standing: self.spread as f32,
+                action: self.of_action as f32,
+                capacitance: self.of_capacitance as f32,
+                leakage: if self.leakage.is_finite() { LEAKAGE_TOLERANCE } else { 0.0 },
+                highest_voltage: self.of_highest as f32,
+                ..Tolerances::EXACT
+            },
+            largest_power: small(10.0 * self.income),
+            reserve: small(self.reserve),
+            actions: [Regular { energy: small(self.action), every: self.every }],
+        }
+    }
+
+    /// The node of the voltage alone.
+    ///
+    /// # Panics
+    /// If the settings are outside the bounds of a node.
+    #[must_use]
+    pub fn voltage(&self) -> Tiered<VoltageNode<1>> {
+        let node = self.parameters().build().unwrap_or_else(|error| panic!("{error}"));
+        let spent = |node: &VoltageNode<1>, state: &VoltageState<1>| {
+            f64::from(state.readings()) * f64::from(node.parameters().reading)
+        };
+        Tiered::new(node, VoltageState::last_hour, spent)
+    }
+
+    /// The node with the map of the harvester.
+    ///
+    /// # Panics
+    /// If the settings are outside the bounds of a node.
+    #[must_use]
+    pub fn map(&self) -> Tiered<OneNode> {
+        let node = self.map_node(self.kind.map()).unwrap_or_else(|error| panic!("{error}"));
+        Tiered::new(node, OneState::last_hour, |node, state| node.spent_on_knowing(state).into())
+    }
+
+    fn map_node(&self, map: &'static [u8]) -> Result<OneNode, String> {
+        let fail = |error: &dyn std::fmt::Debug| format!("{error:?}");
+        let fingerprint = u32::from_le_bytes([map[6], map[7], map[8], map[9]]);
+        let map = ResponseMap::new(map, fingerprint).map_err(|error| fail(&error))?;
+        let [resonance, half] = self.kind.resonance();
+        let rate = self.rate();
+        let bank = LineBank::new(rate as f32, resonance as f32, half as f32, UNIT as f32);
+        let bank = bank.map_err(|error| fail(&error))?;
+        let cost = self.cost();
+        let Instructions { sample, block, .. } = node_instructions(self.processor.core);
+        let samples = bank.block() as u32 * BLOCKS;
+        let instructions = f64::from(samples) * sample + f64::from(BLOCKS) * block;
+        let energy = cost.burst(samples, rate, instructions, Code::Filter).ok_or("no rate")?.total();
+        let parameters = MapParameters {
+            voltage: self.parameters(),
+            sensor: Sensor {
+                rate: rate as f32,
+                start_up: cost.accelerometer.start_up_samples,
+                blocks: BLOCKS,
+                clipped: 32_000,
+            },
+            bursts: Bursts { energy: (energy / self.scale) as f32, worth: 10.0, shortest: 60, check: 80_000 },
+            gain: self.gain as f32,
+            gain_drift: 0.02,
+        };
+        MapNode::new(map, bank, parameters).map_err(|error| error.to_string())
+    }
+}
+
+/// Relative 1σ of a leakage.
+const LEAKAGE_TOLERANCE: f32 = 0.3;

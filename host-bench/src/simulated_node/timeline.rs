@@ -1,0 +1,219 @@
+//! Hours of a harvester: what shakes it, and what it yields.
+
+use model_core::excitation::{AnyExcitation, Burst, Random, Sine, SpectralDensity, Tones};
+
+use super::Source;
+use super::harvester::{Kind, LINES, Off, Shaking, tone};
+use crate::method::Failure;
+
+/// What shakes the harvester in an hour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weather {
+    Tone,
+    Beat,
+    Bursts,
+    /// A tone whose frequency drifts, while the resonance drifts by 2 % with the temperature.
+    Drift,
+    Broadband,
+    /// The bed of a truck on a highway, with stops.
+    Truck,
+    /// A machine whose speed rises and falls for hours.
+    Speed,
+    /// A foot strikes twice a second, with rests.
+    Walking,
+    Silence,
+}
+
+impl Weather {
+    /// Those of random hours.
+    pub const RANDOM: [Self; 5] = [Self::Tone, Self::Beat, Self::Bursts, Self::Drift, Self::Broadband];
+}
+
+/// The kind of hours of a timeline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Course {
+    /// Tones, beats, bursts, drifting tones and broadband vibration, hour by hour
+    Random,
+    /// MIL-STD-810, method 514: a truck on highways, vertical axis, with stops
+    Truck,
+    /// A machine whose speed drifts
+    Speed,
+    /// Walking at two steps a second, with rests
+    Walking,
+    /// Random hours from 8 to 16 o'clock of working days, over 30 days
+    Month,
+}
+
+/// Some hours of a harvester.
+#[derive(Debug, Clone)]
+pub struct Timeline {
+    pub kind: Kind,
+    /// Whether the harvester is the one of the map.
+    pub as_designed: bool,
+    /// Of each hour.
+    pub weathers: Vec<Weather>,
+    /// Of each minute.
+    pub shaking: Vec<Shaking>,
+    /// Energies in J of each minute.
+    pub minutes: Vec<f64>,
+}
+
+/// Sines of the vibration of a truck near a resonance.
+const TRUCK_LINES: usize = 60;
+
+/// One-sided spectral density in g²/Hz of MIL-STD-810, method 514, a truck on highways, vertical axis: even to 40 Hz, then
+/// straight in logarithmic axes to a hundredth at 500 Hz.
+fn truck(frequency: f64) -> f64 {
+    0.015 * if frequency > 40.0 { (frequency / 40.0).powf(-2.0 / 12.5_f64.log10()) } else { 1.0 }
+}
+
+impl Timeline {
+    /// Hours of a course by a seed. A harvester that is not as designed is off in charge, damping, load and resonance, and its
+    /// resonance drifts by 2 % in hours of drift.
+    ///
+    /// # Errors
+    /// If a shipped scene cannot be read or stepped.
+    pub fn new(
+        kind: Kind,
+        as_designed: bool,
+        course: Course,
+        hours: usize,
+        seed: u64,
+    ) -> Result<Self, Failure> {
+        let mut random = Source::of_seed(seed);
+        let (mut shaking, mut weathers) = (Vec::new(), Vec::<Weather>::new());
+        for _ in 0..hours {
+            let weather = match course {
+                Course::Random | Course::Month => drawn(kind, &mut random),
+                Course::Truck => Weather::Truck,
+                Course::Speed => Weather::Speed,
+                Course::Walking => Weather::Walking,
+            };
+            // A tone goes on for some hours.
+            let goes_on = weather == Weather::Tone && weathers.last() == Some(&Weather::Tone);
+            if goes_on && random.uniform(0.0, 1.0) < 0.6 {
+                shaking.extend_from_within(shaking.len() - 60..);
+            } else {
+                shaking.extend(hour(kind, weather, weathers.len(), &mut random).unwrap_or_default());
+            }
+            weathers.push(weather);
+        }
+        let mut factor = |most: f64| most.powf(2.0 * random.uniform(0.0, 1.0) - 1.0);
+        let off = if as_designed {
+            Off::NONE
+        } else {
+            Off {
+                charge: factor(1.41),
+                damping: factor(1.7),
+                resistance: factor(1.5),
+                resonance: factor(1.005),
+            }
+        };
+        let minutes = kind.minutes(&shaking, |minute| {
+            let part = (minute % 60) as f64 / 60.0 - 0.5;
+            let drifts = weathers[minute / 60] == Weather::Drift && !as_designed;
+            Off { resonance: off.resonance * if drifts { 1.0 + 0.02 * part } else { 1.0 }, ..off }
+        })?;
+        let line = Self { kind, as_designed, weathers, shaking, minutes };
+        Ok(if course == Course::Month { line.month() } else { line })
+    }
+
+    /// The same hours in turn from 8 to 16 o'clock of the working days of thirty days.
+    fn month(&self) -> Self {
+        let (mut to, mut at) = (Self { weathers: vec![], shaking: vec![], minutes: vec![], ..*self }, 0);
+        for hour in 0..30 * 24 {
+            if hour / 24 % 7 < 5 && (8..16).contains(&(hour % 24)) && !self.weathers.is_empty() {
+                let from = at % self.weathers.len();
+                to.weathers.push(self.weathers[from]);
+                to.shaking.extend_from_slice(&self.shaking[60 * from..60 * from + 60]);
+                to.minutes.extend_from_slice(&self.minutes[60 * from..60 * from + 60]);
+                at += 1;
+            } else {
+                to.weathers.push(Weather::Silence);
+                to.shaking.extend(vec![AnyExcitation::Silence; 60]);
+                to.minutes.extend([0.0; 60]);
+            }
+        }
+        to
+    }
+}
+
+/// The weather of a random hour: a tone as often as all others but one.
+fn drawn(kind: Kind, random: &mut Source) -> Weather {
+    let weather = Weather::RANDOM[(random.uniform(0.0, 1.0) * 7.0) as usize % Weather::RANDOM.len()];
+    // Friction holds the slider under most noises.
+    let still = kind == Kind::Sliding && weather == Weather::Broadband;
+    if still { Weather::Tone } else { weather }
+}
+
+/// Minutes of which `on` are of one shaking and `off` silent, in turn.
+fn in_turn([on, off]: [usize; 2], shaking: &Shaking) -> Vec<Shaking> {
+    let at = |minute: usize| if minute % (on + off) < on { shaking.clone() } else { AnyExcitation::Silence };
+    (0..60).map(at).collect()
+}
+
+/// The shaking of sixty minutes, from the hour of this index on.
+fn hour(kind: Kind, weather: Weather, index: usize, random: &mut Source) -> Option<Vec<Shaking>> {
+    let [[low, high], [first, last]] = kind.shaking();
+    let [resonance, half] = kind.resonance();
+    let amplitude = low * (high / low).powf(random.uniform(0.0, 1.0));
+    // Nearer to the resonance more often.
+    let frequency = |random: &mut Source| {
+        let part = 0.5 * (random.uniform(0.0, 1.0) + random.uniform(0.0, 1.0));
+        first + (last - first) * part
+    };
+    let whole =
+        |random: &mut Source, least: usize, more: f64| least + (more * random.uniform(0.0, 1.0)) as usize;
+    let noise = |points: [[f64; 2]; 2], lines: usize, random: &mut Source| {
+        let density = SpectralDensity::new(&points).ok()?;
+        let seed = (1e9 * random.uniform(0.0, 1.0)) as u64;
+        Some(AnyExcitation::Random(Random::new(&density, lines as u32, seed).ok()?))
+    };
+    let centre = frequency(random);
+    Some(match weather {
+        Weather::Silence => vec![AnyExcitation::Silence; 60],
+        Weather::Tone => vec![tone(amplitude, centre); 60],
+        Weather::Beat => {
+            let mut tones = Tones::new();
+            tones.push(Sine::new(amplitude, centre, 0.3).ok()?).ok()?;
+            let other = frequency(random);
+            let beside = amplitude * (0.1 + 0.6 * random.uniform(0.0, 1.0));
+            tones.push(Sine::new(beside, other, 0.3).ok()?).ok()?;
+            vec![AnyExcitation::Tones(tones); 60]
+        }
+        Weather::Bursts => {
+            let spans = [whole(random, 2, 8.0), whole(random, 2, 8.0)];
+            in_turn(spans, &tone(amplitude, centre))
+        }
+        Weather::Drift => {
+            let end = frequency(random);
+            (0..60)
+                .map(|minute| tone(amplitude, centre + (end - centre) * f64::from(minute) / 60.0))
+                .collect()
+        }
+        Weather::Speed => {
+            // Up in five hours and down in five.
+            let part = |minute: u32| (f64::from(60 * index as u32 + minute) / 300.0 + 0.5).rem_euclid(2.0);
+            let at = |minute| first + (last - first) * (1.0 - (part(minute) - 1.0).abs());
+            (0..60).map(|minute| tone(amplitude, at(minute))).collect()
+        }
+        Weather::Broadband => {
+            // Even density from 0.8 to 1.25 of the resonance, with the mean square within ten half-bandwidths of a sine.
+            let density = 0.5 * amplitude * amplitude / (10.0 * half) * random.uniform(0.0, 1.0).max(0.05);
+            vec![noise([[0.8 * resonance, density], [1.25 * resonance, density]], LINES, random)?; 60]
+        }
+        Weather::Truck => {
+            let g = 9.806_65;
+            // What is near the resonance.
+            let points = [0.93 * resonance, 1.07 * resonance].map(|hertz| [hertz, g * g * truck(hertz)]);
+            let spans = [whole(random, 15, 30.0), whole(random, 3, 15.0)];
+            in_turn(spans, &noise(points, TRUCK_LINES, random)?)
+        }
+        Weather::Walking => {
+            let peak = 10.0 + 10.0 * random.uniform(0.0, 1.0);
+            let strikes = Burst::half_sine(peak, 0.02).ok()?.every(0.5).ok()?;
+            let spans = [whole(random, 5, 20.0), whole(random, 2, 10.0)];
+            in_turn(spans, &AnyExcitation::Burst(strikes))
+        }
+    })
+}
