@@ -5,7 +5,6 @@ pub mod bump_stop;
 pub mod contact_separation;
 pub mod emitted;
 pub mod estimators;
-pub mod node_parts;
 pub mod peer;
 pub mod response_map;
 pub mod run;

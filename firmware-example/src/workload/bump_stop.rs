@@ -7,13 +7,12 @@ pub mod parts;
 use core::hint::black_box;
 
 use model_core::hybrid::Work;
-use model_core::part::load::OpenCircuit;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{
-    BumpStop, Checked, CheckedState, Choices, OneWay, Parameters, Parts, Start, StateOf, Stepper,
+    BumpStop, Checked, CheckedState, Parameters, Parts, Start, StateOf, Stepper,
 };
 
-use self::parts::{GAP, LOAD, Whole};
+use self::parts::{GAP, Whole};
 use super::building::Building;
 use super::run::{self, Plan, Run};
 use super::{Visit, Workload, show};
@@ -22,10 +21,6 @@ use super::{Visit, Workload, show};
 pub const BEAM_MODES: usize = 4;
 /// Modes of the rod.
 pub const ROD_MODES: usize = 1;
-/// Modes of beam and rod of [`fewer_modes`].
-pub const FEWER_MODES: [usize; 2] = [2, 1];
-/// Modes of beam and rod of [`more_modes`].
-pub const MORE_MODES: [usize; 2] = [6, 2];
 
 /// 20 m/s² at 220 Hz, below the first natural frequency of 239.7 Hz. Two seconds from rest, of which the
 /// last one and a half are settled.
@@ -33,6 +28,8 @@ pub const IMPACTING: Plan =
     Plan { name: "bump-stop", amplitude: 20.0, frequency: 220.0, velocity: 0.0, quarters: 2, samples: 4 };
 /// The same with the rod touching the beam at rest.
 pub const TOUCHING: Plan = Plan { name: "touching", ..IMPACTING };
+/// The same with the estimate of the error of its steps.
+pub const CHECKED: Plan = Plan { name: "checked", ..IMPACTING };
 /// Four seconds, as weak chaos needs for its averages.
 pub const SETTLING: Plan = Plan { name: "settling", samples: 8, ..IMPACTING };
 
@@ -40,9 +37,7 @@ pub const SETTLING: Plan = Plan { name: "settling", samples: 8, ..IMPACTING };
 pub const SHORT: f32 = 13e-6;
 /// Step in free flight in seconds.
 pub const LONG: f32 = 180e-6;
-/// A longer one, of [`checked_longer`].
-pub const LONGER: f32 = 220e-6;
-/// Inverse of the part of the time in which [`checked`] and [`checked_longer`] check their steps.
+/// Inverse of the part of the time in which the last run of [`others`] checks its steps.
 pub const CHECKED_EVERY: u32 = 128;
 /// The same for [`TOUCHING`]: beam and rod touch in every half period, and longer steps lose 3 % of the mean power.
 pub const TOUCHING_STEPS: [f32; 2] = [9e-6, 80e-6];
@@ -64,63 +59,12 @@ pub fn bench(visit: Visit<'_>) -> Option<()> {
     impacting(visit, parts::whole(GAP), LONG)
 }
 
-/// The default scene without the stop and the rod.
-pub fn without_stop(visit: Visit<'_>) -> Option<()> {
-    let parameters = parts::parameters(Choices::new(LOAD));
-    show(visit, run::<_, BEAM_MODES, 0>(IMPACTING, parameters, [SHORT, LONG]))
-}
-
-/// The default scene without the voltage acting back on the beam.
-pub fn one_way(visit: Visit<'_>) -> Option<()> {
-    let choices = Choices::new(LOAD).stop(parts::stop(GAP)).coupling(OneWay);
-    impacting(visit, parts::parameters(choices), LONG)
-}
-
-/// The default scene with the load open.
-pub fn open(visit: Visit<'_>) -> Option<()> {
-    impacting(visit, parts::parameters(Choices::new(OpenCircuit).stop(parts::stop(GAP))), LONG)
-}
-
-/// The default scene with the short step only.
-pub fn single_rate(visit: Visit<'_>) -> Option<()> {
-    impacting(visit, parts::whole(GAP), SHORT)
-}
-
-/// The default scene with a massless spring in place of the rod.
-pub fn spring(visit: Visit<'_>) -> Option<()> {
-    modes::<BEAM_MODES, 0>(visit)
-}
-
-/// The default scene with [`FEWER_MODES`].
-pub fn fewer_modes(visit: Visit<'_>) -> Option<()> {
-    modes::<{ FEWER_MODES[0] }, { FEWER_MODES[1] }>(visit)
-}
-
-/// The default scene with [`MORE_MODES`].
-pub fn more_modes(visit: Visit<'_>) -> Option<()> {
-    modes::<{ MORE_MODES[0] }, { MORE_MODES[1] }>(visit)
-}
-
-fn modes<const B: usize, const R: usize>(visit: Visit<'_>) -> Option<()> {
-    show(visit, run::<_, B, R>(IMPACTING, parts::whole(GAP), [SHORT, LONG]))
-}
-
-/// The default scene with the estimate of the error of its steps.
-pub fn checked(visit: Visit<'_>) -> Option<()> {
-    show(visit, run_checked([SHORT, LONG]))
-}
-
-/// The same with [`LONGER`] steps in free flight: what they save pays for the estimate.
-pub fn checked_longer(visit: Visit<'_>) -> Option<()> {
-    show(visit, run_checked([SHORT, LONGER]))
-}
-
 #[inline(never)]
-fn run_checked([short, long]: [f32; 2]) -> Option<impl Workload> {
+fn checked() -> Option<impl Workload> {
     let scene: BumpStop<f32, Whole, BEAM_MODES, ROD_MODES> = black_box(parts::whole(GAP)).build().ok()?;
-    let stepper = Stepper::new(scene, black_box(short), black_box(long)).ok()?;
+    let stepper = Stepper::new(scene, black_box(SHORT), black_box(LONG)).ok()?;
     let checked = Checked::new(stepper, black_box(CHECKED_EVERY));
-    Run::new(IMPACTING, checked, &Start::default(), with_statement)
+    Run::new(CHECKED, checked, &Start::default(), with_statement)
 }
 
 type OfWhole = StateOf<f32, Whole, BEAM_MODES, ROD_MODES>;
@@ -141,7 +85,8 @@ fn with_statement(
     *irregular = stated.map_or(f32::INFINITY, |stated| stated.irregular).to_bits();
 }
 
-/// [`TOUCHING`], and the build of the coefficients, the compliance of the modes left out included.
+/// [`TOUCHING`], the build of the coefficients, the compliance of the modes left out included, and the default scene with the
+/// estimate of the error of its steps.
 pub fn others(visit: Visit<'_>) -> Option<()> {
     show(visit, run::<_, BEAM_MODES, ROD_MODES>(TOUCHING, parts::whole(0.0), TOUCHING_STEPS))?;
     visit(&mut Building::new("bump-stop-build", || {
@@ -154,7 +99,7 @@ pub fn others(visit: Visit<'_>) -> Option<()> {
             scene.contact_stiffness(),
         ])
     }));
-    Some(())
+    show(visit, checked())
 }
 
 /// [`SETTLING`] with each of [`GAPS`], and for each gap with each of [`STEPS`].

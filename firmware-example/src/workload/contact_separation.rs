@@ -7,10 +7,13 @@ use core::hint::black_box;
 use model_core::integrate::{
     Adaptive, ExponentialRadau, FixedStep, Method, RungeKutta4, StepControl, TrBdf2,
 };
+use model_core::part::draw::NoDraw;
+use model_core::part::load::OpenCircuit;
+use model_core::part::storage::{Capacitor, StorageCapacitor};
 use model_core::scene::Simulation;
-use model_core::scene::contact_separation::{NeverSticks, Parameters, Parts, Start};
+use model_core::scene::contact_separation::{Parameters, Parts, Start};
+use model_core::scene::rectified::{FullBridge, Rectified};
 
-use self::parts::{CONSTANT, LAW_OF_SPEED, LOAD, PARASITIC};
 use super::run::{self, Plan, Run};
 use super::{Visit, Workload, show};
 
@@ -31,10 +34,8 @@ pub const SETTLING: Plan = Plan { name: "settling", quarters: 20, samples: 3, ..
 /// 0.2 g at 22 Hz, above the natural frequency: the mass never reaches the dielectric.
 pub const SMOOTH: Plan = Plan { name: "smooth", frequency: 22.0, quarters: 12, samples: 1, ..IMPACTING };
 
-/// Relative tolerance per radian of [`bench()`] and of the variants without a part.
+/// Relative tolerance per radian of [`bench()`].
 pub const TOLERANCE: f32 = 5e-2;
-/// Step in seconds of the variants without error control: as many steps as [`bench()`] takes.
-pub const FIXED_STEP: f32 = 3.85e-3;
 /// Loads in Ω of [`precision`].
 pub const LOADS: [f32; 6] = [1e8, 1e6, 1e5, 1e4, 1e3, 1.0];
 /// Tolerances of [`precision`] for each load.
@@ -50,42 +51,24 @@ pub const SMOOTH_TOLERANCES: [f32; 3] = [1e-1, 1e-2, 1e-3];
 /// Fixed step of [`smooth`] for the classical Runge–Kutta method, in seconds.
 pub const SMOOTH_STEP: f32 = 2.5e-4;
 
+/// The storage of [`others`]: capacitance in F, voltage at the start in V, forward voltage of each of the bridge's diodes in V.
+pub const STORAGE: [f32; 3] = [22e-6, 2.6, 0.3];
+
 /// The default scene.
 pub fn bench(visit: Visit<'_>) -> Option<()> {
-    adaptive(visit, parts::whole())
+    show(visit, run(IMPACTING, parts::whole(), ExponentialRadau, Adaptive::new(TOLERANCE).ok()?))
 }
 
-/// The default scene without its parasitic capacitance.
-pub fn without_parasitic(visit: Visit<'_>) -> Option<()> {
-    adaptive(visit, parts::parameters(parts::without_parasitic(LOAD, LAW_OF_SPEED)))
-}
-
-/// The default scene without sticking.
-pub fn without_sticking(visit: Visit<'_>) -> Option<()> {
-    let choices = parts::without_parasitic(LOAD, LAW_OF_SPEED).parasitic(PARASITIC).sticking(NeverSticks);
-    adaptive(visit, parts::parameters(choices))
-}
-
-/// The default scene under the force of the field, with [`PASSIVE`].
-pub fn gap_field(visit: Visit<'_>) -> Option<()> {
-    let control = Adaptive::new(TOLERANCE).ok()?;
-    show(visit, run(PASSIVE, parts::passive(LOAD), ExponentialRadau, control))
-}
-
-/// The default scene with one coefficient of restitution for all speeds.
-pub fn without_law_of_speed(visit: Visit<'_>) -> Option<()> {
-    adaptive(visit, parts::parameters(parts::without_parasitic(LOAD, CONSTANT).parasitic(PARASITIC)))
-}
-
-/// The default scene without error control.
-pub fn without_error_control(visit: Visit<'_>) -> Option<()> {
-    fixed(visit, IMPACTING, parts::whole(), ExponentialRadau, FIXED_STEP)
-}
-
-/// The default scene without all of these.
-pub fn without_any(visit: Visit<'_>) -> Option<()> {
-    let choices = parts::without_parasitic(LOAD, CONSTANT).sticking(NeverSticks);
-    fixed(visit, IMPACTING, parts::parameters(choices), ExponentialRadau, FIXED_STEP)
+/// The default scene under the force of the field, with [`PASSIVE`], behind a bridge that charges [`STORAGE`].
+pub fn others(visit: Visit<'_>) -> Option<()> {
+    let [capacitance, initial_voltage, diode_drop] = black_box(STORAGE);
+    let capacitor = Capacitor { capacitance, leakage_resistance: f32::INFINITY };
+    let storage = StorageCapacitor { capacitor, initial_voltage, draw: NoDraw };
+    // The bridge is what is at the terminals.
+    let alone = black_box(parts::passive(OpenCircuit)).build().ok()?;
+    let scene = Rectified::new(alone, FullBridge { diode_drop, storage }).ok()?;
+    let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(TOLERANCE).ok()?);
+    show(visit, Run::new(PASSIVE, harvester, &Start::default(), run::outputs))
 }
 
 /// [`SETTLING`] with each of [`LOADS`] and [`LOAD_TOLERANCES`]; with the default load by the other methods with each of
@@ -115,11 +98,6 @@ pub fn smooth(visit: Visit<'_>) -> Option<()> {
         show(visit, run(SMOOTH, parts::whole(), ExponentialRadau, Adaptive::new(tolerance).ok()?))?;
     }
     fixed(visit, SMOOTH, parts::whole(), RungeKutta4, SMOOTH_STEP)
-}
-
-#[inline]
-fn adaptive<P: Parts<f32>>(visit: Visit<'_>, parameters: Parameters<f32, P>) -> Option<()> {
-    show(visit, run(IMPACTING, parameters, ExponentialRadau, Adaptive::new(TOLERANCE).ok()?))
 }
 
 #[inline]

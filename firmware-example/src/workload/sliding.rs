@@ -9,11 +9,9 @@ use core::hint::black_box;
 use model_core::integrate::{
     Adaptive, ExponentialRadau, FixedStep, Method, RungeKutta4, StepControl, TrBdf2,
 };
-use model_core::part::load::{OpenCircuit, ShortCircuit};
 use model_core::scene::Simulation;
-use model_core::scene::sliding::{Choices, Frictionless, NeverSticks, Parameters, Parts, Start};
+use model_core::scene::sliding::{Parameters, Parts, Start};
 
-use self::parts::{FRICTION, LOAD, choices};
 use super::building::Building;
 use super::run::{self, Plan, Run};
 use super::{Visit, Workload, show};
@@ -24,12 +22,6 @@ pub const SLIDING: Plan =
     Plan { name: "sliding", amplitude: 3.5316, frequency: 18.373, velocity: 0.0, quarters: 1, samples: 12 };
 /// 0.30 g at 6 Hz: the slider sticks twice a period, for half of the time.
 pub const STICK_SLIP: Plan = Plan { name: "stick-slip", amplitude: 2.943, frequency: 6.0, ..SLIDING };
-/// 0.1 g: without friction 0.36 g would part the discs.
-pub const GENTLE: Plan = Plan { name: "gentle", amplitude: 0.981, ..SLIDING };
-/// 0.8 g at 16 Hz: the force of the field presses a slider at the centre on so that 0.36 g cannot move it.
-pub const STRONG: Plan = Plan { name: "strong", amplitude: 7.848, frequency: 16.0, ..SLIDING };
-/// In motion from the start, for a slider that never sticks.
-pub const MOVING: Plan = Plan { name: "moving", velocity: -0.8, ..SLIDING };
 /// Fifteen seconds at resonance, of which the last five are settled.
 pub const SETTLING: Plan = Plan { name: "settling", quarters: 20, samples: 3, ..SLIDING };
 /// [`SETTLING`] a little below the resonance: on the flanks an error of the frequency shows.
@@ -39,16 +31,12 @@ pub const ABOVE: Plan = Plan { name: "above", frequency: 18.443, ..SETTLING };
 
 /// Relative tolerance per radian of [`bench()`].
 pub const TOLERANCE: f32 = 5e-2;
-/// Step in seconds of [`without_error_control`]: as many steps as [`bench()`] takes.
-pub const FIXED_STEP: f32 = 6.8e-3;
-/// Step of [`explicit`] in seconds: some 27 in a period.
+/// Step of the Runge–Kutta method of [`others`] in seconds: some 27 in a period.
 pub const STEP: f32 = 2e-3;
 /// Loads in Ω of [`precision`].
 pub const LOADS: [f32; 3] = [1e8, 1e6, 1e4];
 /// Tolerances of [`precision`] for each load.
 pub const LOAD_TOLERANCES: [f32; 2] = [TOLERANCE, 1e-2];
-/// Step of [`implicit`] in seconds.
-pub const IMPLICIT_STEP: f32 = 5e-4;
 /// Tolerances of [`precision`] for TR-BDF2.
 pub const TOLERANCES: [f32; 4] = [5e-2, 2e-2, 1e-2, 5e-3];
 /// Fixed steps of [`precision`] for TR-BDF2, in seconds.
@@ -59,46 +47,6 @@ pub const EXPLICIT_STEPS: [f32; 4] = [3.8e-3, 2.5e-3, 2e-3, 1e-3];
 /// The default scene.
 pub fn bench(visit: Visit<'_>) -> Option<()> {
     adaptive(visit, SLIDING, parts::whole())
-}
-
-/// The default scene without error control.
-pub fn without_error_control(visit: Visit<'_>) -> Option<()> {
-    fixed(visit, SLIDING, parts::whole(), ExponentialRadau, FIXED_STEP)
-}
-
-/// The default scene by the classical Runge–Kutta method.
-pub fn explicit(visit: Visit<'_>) -> Option<()> {
-    fixed(visit, SLIDING, parts::whole(), RungeKutta4, STEP)
-}
-
-/// The default scene without friction, under [`GENTLE`].
-pub fn without_friction(visit: Visit<'_>) -> Option<()> {
-    adaptive(visit, GENTLE, parts::parameters(choices(LOAD, Frictionless)))
-}
-
-/// The default scene without sticking, under [`MOVING`].
-pub fn without_sticking(visit: Visit<'_>) -> Option<()> {
-    adaptive(visit, MOVING, parts::parameters(choices(LOAD, FRICTION).sticking(NeverSticks)))
-}
-
-/// The default scene with the load open.
-pub fn open(visit: Visit<'_>) -> Option<()> {
-    adaptive(visit, SLIDING, parts::parameters(choices(OpenCircuit, FRICTION)))
-}
-
-/// The default scene with the load shorted.
-pub fn shorted(visit: Visit<'_>) -> Option<()> {
-    adaptive(visit, SLIDING, parts::parameters(choices(ShortCircuit, FRICTION)))
-}
-
-/// The default scene with the force of the field, under [`STRONG`].
-pub fn gap_field(visit: Visit<'_>) -> Option<()> {
-    adaptive(visit, STRONG, parts::parameters(Choices::new(LOAD, FRICTION)))
-}
-
-/// The default scene by TR-BDF2 with a fixed step.
-pub fn implicit(visit: Visit<'_>) -> Option<()> {
-    fixed(visit, SLIDING, parts::whole(), TrBdf2, IMPLICIT_STEP)
 }
 
 /// [`STICK_SLIP`] as the bench runs it and by the classical Runge–Kutta method, and the build of the coefficients, the

@@ -3,7 +3,6 @@
 mod cores;
 mod estimate_energy;
 mod estimators;
-mod leave_outs;
 mod node;
 mod output;
 mod peer;
@@ -37,10 +36,6 @@ pub struct OnTargetArguments {
     /// Error against instructions, over tolerances, fixed steps and methods
     #[arg(long, group = "report")]
     work_precision: bool,
-
-    /// What each part of a scene costs: flash and instructions without it
-    #[arg(long, group = "report")]
-    leave_outs: bool,
 
     /// The sensor node: a day with losses of power, its log compared with the host's [default: M4F and M0]
     #[arg(long, group = "report")]
@@ -79,8 +74,6 @@ pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
     };
     let of_bench: fn(&Bench, &mut Output) -> Result<(), Error> = if arguments.work_precision {
         work_precision::report
-    } else if arguments.leave_outs {
-        leave_outs::report
     } else if arguments.estimators {
         estimators::report
     } else if arguments.peer {

@@ -1,80 +1,20 @@
 //! The error of a workload's mean power or RMS voltage against the independent reference.
 
-use std::path::Path;
-
 use firmware_example::workload::bump_stop::{BEAM_MODES, ROD_MODES};
 use firmware_example::workload::run::{ENERGY, Plan};
 
 use super::Error;
 use super::decode::Sample;
 use crate::reference::{self, ReferenceOptions};
-use crate::scene_file::{
-    self, BumpStop, ContactSeparationParameters, Excitation, Load, Model, RunSpan, Scene, SlidingParameters,
-    Tone,
-};
+use crate::scene_file::{self, Excitation, Model, RunSpan, Scene, Tone};
 
-/// The shipped contact-separation scene under the excitation of `plan`, measured from `settle_s` to the plan's end,
-/// with the parameters and the load that `change` sets.
+/// A shipped scene under the excitation and from the velocity of `plan`, measured from `settle_s` to the plan's end.
 ///
 /// # Errors
 ///
 /// If the shipped scene cannot be read.
-pub fn contact_separation(
-    plan: &Plan,
-    settle_s: f64,
-    change: impl FnOnce(&mut ContactSeparationParameters, &mut Load),
-) -> Result<Scene, Error> {
-    let mut scene = shipped("contact-separation.toml", plan, settle_s)?;
-    if let Model::ContactSeparation(model) = &mut scene.model {
-        model.initial.velocity_m_per_s = Some(f64::from(plan.velocity));
-        change(&mut model.parameters, &mut scene.load);
-    }
-    Ok(scene)
-}
-
-/// The shipped sliding scene, as in [`contact_separation`].
-///
-/// # Errors
-///
-/// If the shipped scene cannot be read.
-pub fn sliding(
-    plan: &Plan,
-    settle_s: f64,
-    change: impl FnOnce(&mut SlidingParameters, &mut Load),
-) -> Result<Scene, Error> {
-    let mut scene = shipped("sliding.toml", plan, settle_s)?;
-    if let Model::Sliding(model) = &mut scene.model {
-        model.initial.velocity_m_per_s = Some(f64::from(plan.velocity));
-        change(&mut model.parameters, &mut scene.load);
-    }
-    Ok(scene)
-}
-
-/// The shipped bump-stop scene, as in [`sliding`], with the firmware's numbers of modes and a gap in m between beam
-/// and rod.
-///
-/// # Errors
-///
-/// If the shipped scene cannot be read.
-pub fn bump_stop(
-    plan: &Plan,
-    gap: f32,
-    settle_s: f64,
-    change: impl FnOnce(&mut BumpStop, &mut Load),
-) -> Result<Scene, Error> {
-    let mut scene = shipped("bump-stop.toml", plan, settle_s)?;
-    if let Model::BumpStop(model) = &mut scene.model {
-        model.parameters.beam_modes = BEAM_MODES;
-        if let Some(stop) = &mut model.stop {
-            (stop.rod_modes, stop.gap_m) = (ROD_MODES, f64::from(gap));
-        }
-        change(model, &mut scene.load);
-    }
-    Ok(scene)
-}
-
-fn shipped(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+pub fn scene(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
+    let file = scene_file::shipped(name);
     let mut scene = scene_file::read(&file, &[]).map_err(|error| Error::Host(error.to_string()))?;
     scene.excitation = Excitation::Sine(Tone {
         amplitude_m_per_s2: f64::from(plan.amplitude),
@@ -82,6 +22,28 @@ fn shipped(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
         phase_rad: 0.0,
     });
     scene.run = RunSpan { duration_s: plan.seconds(), settle_s };
+    let velocity = Some(f64::from(plan.velocity));
+    match &mut scene.model {
+        Model::ContactSeparation(model) => model.initial.velocity_m_per_s = velocity,
+        Model::Sliding(model) => model.initial.velocity_m_per_s = velocity,
+        Model::BumpStop(_) => {}
+    }
+    Ok(scene)
+}
+
+/// The shipped bump-stop scene, as in [`scene`], with the firmware's numbers of modes and a gap in m between beam and rod.
+///
+/// # Errors
+///
+/// If the shipped scene cannot be read.
+pub fn bump_stop(plan: &Plan, gap: f32, settle_s: f64) -> Result<Scene, Error> {
+    let mut scene = scene("bump-stop", plan, settle_s)?;
+    if let Model::BumpStop(model) = &mut scene.model {
+        model.parameters.beam_modes = BEAM_MODES;
+        if let Some(stop) = &mut model.stop {
+            (stop.rod_modes, stop.gap_m) = (ROD_MODES, f64::from(gap));
+        }
+    }
     Ok(scene)
 }
 

@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use model_core::part::load::Resistor;
 use model_core::part::parasitic::ParasiticCapacitance;
-use model_core::part::restitution::{ConstantRestitution, VelocityDependentRestitution};
+use model_core::part::restitution::VelocityDependentRestitution;
 use model_core::scene::contact_separation::{Choices, GapField, Parameters, TransferredCharge};
 
 /// The load of the default scene.
@@ -18,14 +18,6 @@ pub const LAW_OF_SPEED: VelocityDependentRestitution<f32> = VelocityDependentRes
     reference_speed: 0.3,
     mathematics: PhantomData,
 };
-/// What stands in for it: its value at the usual impact speed of 0.15 m/s.
-pub const CONSTANT: ConstantRestitution<f32> = ConstantRestitution { coefficient: 0.68 };
-
-/// The parts of the default scene without its parasitic capacitance, with any load and any restitution.
-#[must_use]
-pub fn without_parasitic<L, R>(load: L, restitution: R) -> Choices<L, R, TransferredCharge> {
-    Choices::new(load, restitution).force_law(TransferredCharge)
-}
 
 /// Table 2 of the paper with σ = 50 µC/m².
 #[must_use]
@@ -56,7 +48,9 @@ pub fn whole() -> Parameters<f32, Whole> {
 /// The default scene with another load in Ω.
 #[must_use]
 pub fn loaded(resistance: f32) -> Parameters<f32, Whole> {
-    parameters(without_parasitic(Resistor { resistance }, LAW_OF_SPEED).parasitic(PARASITIC))
+    parameters(
+        Choices::new(Resistor { resistance }, LAW_OF_SPEED).force_law(TransferredCharge).parasitic(PARASITIC),
+    )
 }
 
 /// The parts of the default scene under the force of the field, which conserves energy.
@@ -65,5 +59,5 @@ pub type Passive<L> = Choices<L, VelocityDependentRestitution<f32>, GapField, Pa
 /// The default scene under the force of the field, with another load.
 #[must_use]
 pub fn passive<L>(load: L) -> Parameters<f32, Passive<L>> {
-    parameters(without_parasitic(load, LAW_OF_SPEED).parasitic(PARASITIC).force_law(GapField))
+    parameters(Choices::new(load, LAW_OF_SPEED).parasitic(PARASITIC).force_law(GapField))
 }

@@ -9,12 +9,6 @@ pub const LOAD: Resistor<f32> = Resistor { resistance: 1e8 };
 pub const FRICTION: PatchFriction<f32> =
     PatchFriction { static_active: 0.35, static_inert: 0.25, kinetic_active: 0.30, kinetic_inert: 0.20 };
 
-/// The parts of the default scene with any load and any friction.
-#[must_use]
-pub fn choices<L, R>(load: L, friction: R) -> Choices<L, R, TransferredCharge> {
-    Choices::new(load, friction).force_law(TransferredCharge)
-}
-
 /// Table 1 of the paper with σ = 80 µC/m².
 #[must_use]
 pub fn parameters<C>(choices: C) -> Parameters<f32, C> {
@@ -46,5 +40,5 @@ pub fn whole() -> Parameters<f32, Whole> {
 /// The default scene with another load in Ω.
 #[must_use]
 pub fn loaded(resistance: f32) -> Parameters<f32, Whole> {
-    parameters(choices(Resistor { resistance }, FRICTION))
+    parameters(Choices::new(Resistor { resistance }, FRICTION).force_law(TransferredCharge))
 }

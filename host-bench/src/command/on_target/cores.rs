@@ -10,13 +10,14 @@ use super::output::Output;
 use super::rows::{self, Case, Column, RADAU, Row, Steps};
 use crate::on_target::core::Core;
 use crate::on_target::{Error, accuracy};
+use crate::scene_file::{Draw, ForceLaw, Load, Model, RectifiedStore};
 
 /// Settling time of the bump-stop runs in seconds: their first sample.
 const SETTLE_S: f64 = 0.5;
 
-const BOARD: Column = ("board in QEMU", |row, _| row.core.hardware().board.to_owned());
-const SCENE: Column = ("scene", |row, _| row.case.name.clone());
-const RUN: Column = ("run", |row, _| row.case.name.clone());
+const BOARD: Column = ("board in QEMU", |row| row.core.hardware().board.to_owned());
+const SCENE: Column = ("scene", |row| row.case.name.clone());
+const RUN: Column = ("run", |row| row.case.name.clone());
 
 /// Measures the benches on `cores` and prints their tables.
 ///
@@ -56,9 +57,9 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
 
 /// The bench of each scene.
 fn benches() -> Result<[(Variant, Case); 3], Error> {
-    let contact = accuracy::contact_separation(&contact_separation::IMPACTING, 0.0, |_, _| {})?;
-    let slide = accuracy::sliding(&sliding::SLIDING, 0.0, |_, _| {})?;
-    let bump = accuracy::bump_stop(&bump_stop::IMPACTING, bump_stop::GAPS[1], SETTLE_S, |_, _| {})?;
+    let contact = accuracy::scene("contact-separation", &contact_separation::IMPACTING, 0.0)?;
+    let slide = accuracy::scene("sliding", &sliding::SLIDING, 0.0)?;
+    let bump = accuracy::bump_stop(&bump_stop::IMPACTING, bump_stop::GAPS[1], SETTLE_S)?;
     let tolerance = Steps::Tolerance(contact_separation::TOLERANCE);
     let steps = Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG]);
     Ok([
@@ -78,12 +79,35 @@ fn benches() -> Result<[(Variant, Case); 3], Error> {
 }
 
 /// The runs beside the benches, and the builds of the coefficients.
-fn others() -> Result<[(Variant, Vec<Case>); 2], Error> {
-    let stick_slip = accuracy::sliding(&sliding::STICK_SLIP, 0.0, |_, _| {})?;
-    let touching = accuracy::bump_stop(&bump_stop::TOUCHING, 0.0, SETTLE_S, |_, _| {})?;
+fn others() -> Result<[(Variant, Vec<Case>); 3], Error> {
+    let [capacitance, initial_v, diode_drop] = contact_separation::STORAGE.map(f64::from);
+    let mut charging = accuracy::scene("contact-separation", &contact_separation::PASSIVE, 0.0)?;
+    if let Model::ContactSeparation(model) = &mut charging.model {
+        model.parameters.force_law = ForceLaw::GapField;
+    }
+    charging.load = Load::RectifiedStore(RectifiedStore {
+        capacitance_f: capacitance,
+        diode_drop_v: diode_drop,
+        leakage_ohm: f64::INFINITY,
+        initial_v,
+        draw: Draw::None,
+    });
+    let checked = accuracy::bump_stop(&bump_stop::CHECKED, bump_stop::GAPS[1], SETTLE_S)?;
+    let stick_slip = accuracy::scene("sliding", &sliding::STICK_SLIP, 0.0)?;
+    let touching = accuracy::bump_stop(&bump_stop::TOUCHING, 0.0, SETTLE_S)?;
     let (step, tolerance) = (Steps::Fixed(sliding::STEP), Steps::Tolerance(sliding::TOLERANCE));
     let steps = Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG]);
+    let of_storage = Steps::Tolerance(contact_separation::TOLERANCE);
     Ok([
+        (
+            const { named("contact_separation::others") },
+            vec![Case::of_scene(
+                "contact-separation, a bridge into a storage",
+                &charging,
+                RADAU,
+                of_storage,
+            )?],
+        ),
         (
             const { named("sliding::others") },
             vec![
@@ -97,6 +121,12 @@ fn others() -> Result<[(Variant, Vec<Case>); 2], Error> {
             vec![
                 Case::of_scene("bump-stop without a gap", &touching, "discrete gradient", steps)?,
                 Case::new("bump-stop", "bump-stop", "build"),
+                Case::of_scene(
+                    "bump-stop with the error of the steps",
+                    &checked,
+                    "discrete gradient",
+                    steps,
+                )?,
             ],
         ),
     ])
@@ -121,9 +151,10 @@ runtime and log. Stack: from the top of RAM. Sizes in bytes.",
 
 fn other_note(samples: usize) -> String {
     format!(
-        "Stick-slip: 6 Hz, 0.30 g. Runge-Kutta 4 with a step of {} ms. The other settings are those of the first table.
+        "Bridge into a storage: 22 uF from 2.6 V, under the force of the field at {:.2} Hz. Stick-slip: 6 Hz, 0.30 g. Runge-Kutta 4 with a step of {} ms. The other settings are those of the first table.
 Build: the coefficients from the parameters, once; instructions per step are those of one build.
 {samples} sampled states in both tables, each bit-identical to the host's f32 run.",
+        contact_separation::PASSIVE.frequency,
         sliding::STEP * 1e3,
     )
 }

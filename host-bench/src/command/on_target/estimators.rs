@@ -8,7 +8,7 @@ use firmware_example::variant::named;
 use firmware_example::workload::{bump_stop, contact_separation, sliding};
 use harvester_scene::market::Code;
 
-const ESTIMATE: Column = ("estimate", |row, _| row.workload.name.clone());
+const ESTIMATE: Column = ("estimate", |row| row.workload.name.clone());
 const PER_CALL: Column = ("instructions per sample or call", rows::PER_STEP.1);
 const PER_SECOND: Column = ("per second", rows::PER_SECOND.1);
 

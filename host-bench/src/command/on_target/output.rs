@@ -31,8 +31,7 @@ impl Output {
 
     /// A table of measured rows, the first `text` columns to the left, and a note below it.
     pub(super) fn rows(&mut self, rows: &[Row], columns: &[Column], text: usize, note: &str) {
-        let Some(first) = rows.first() else { return };
-        let cells = |row: &Row| columns.iter().map(|(_, cell)| cell(row, first)).collect();
+        let cells = |row: &Row| columns.iter().map(|(_, cell)| cell(row)).collect();
         let header = columns.iter().map(|(heading, _)| *heading).collect();
         self.table(header, rows.iter().map(cells).collect(), text, note);
         self.objects.extend(rows.iter().map(Row::json));

@@ -14,7 +14,7 @@ use crate::on_target::{Bench, Error, accuracy};
 ///
 /// If the firmware does not build or run, or model-core computes other bits than on the host.
 pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
-    let scene = accuracy::contact_separation(&SMOOTH, 0.0, |_, _| {})?;
+    let scene = accuracy::scene("contact-separation", &SMOOTH, 0.0)?;
     let case = |method, steps| Case::of_scene("smooth", &scene, method, steps);
     let ours = SMOOTH_TOLERANCES.map(|value| case("model-core, exponential Radau", Steps::Tolerance(value)));
     let explicit = case("model-core, Runge-Kutta 4", Steps::Fixed(SMOOTH_STEP));

@@ -193,31 +193,28 @@ pub(super) fn percent(error: Option<f64>) -> String {
     error.map_or_else(|| "-".to_owned(), |error| format!("{:.3} %", error * 100.0))
 }
 
-/// A column of a table: its heading, and the text of a row, which may refer to the first row of the table.
-pub(super) type Column = (&'static str, fn(&Row, first: &Row) -> String);
+/// A column of a table: its heading, and the text of a row.
+pub(super) type Column = (&'static str, fn(&Row) -> String);
 
-pub(super) const CORE: Column = ("core", |row, _| row.core.to_string());
-pub(super) const NAME: Column = ("variant", |row, _| row.case.name.clone());
+pub(super) const CORE: Column = ("core", |row| row.core.to_string());
 pub(super) const LOAD: Column =
-    ("load in ohm", |row, _| row.case.load_ohm.map_or_else(String::new, |load_ohm| format!("{load_ohm:e}")));
-pub(super) const METHOD: Column = ("method", |row, _| row.case.method.to_owned());
-pub(super) const SETTING: Column = ("setting", |row, _| row.case.steps.text());
-pub(super) const STEPS: Column = ("steps", |row, _| row.counted().steps.to_string());
-pub(super) const STEPS_PER_SECOND: Column = ("steps per second", |row, _| {
+    ("load in ohm", |row| row.case.load_ohm.map_or_else(String::new, |load_ohm| format!("{load_ohm:e}")));
+pub(super) const METHOD: Column = ("method", |row| row.case.method.to_owned());
+pub(super) const SETTING: Column = ("setting", |row| row.case.steps.text());
+pub(super) const STEPS: Column = ("steps", |row| row.counted().steps.to_string());
+pub(super) const STEPS_PER_SECOND: Column = ("steps per second", |row| {
     let counted = row.counted();
     format!("{:.0}", counted.steps as f64 / counted.seconds)
 });
 pub(super) const PER_STEP: Column =
-    ("instructions per step", |row, _| format!("{:.0}", row.counted().instructions_per_step()));
-pub(super) const PER_SECOND: Column = ("per simulated second", |row, _| {
+    ("instructions per step", |row| format!("{:.0}", row.counted().instructions_per_step()));
+pub(super) const PER_SECOND: Column = ("per simulated second", |row| {
     row.instructions_per_second().map_or_else(|| "-".to_owned(), |instructions| format!("{instructions:.0}"))
 });
-pub(super) const ERROR: Column = ("error", |row, _| row.error());
-pub(super) const FLASH: Column = ("flash", |row, _| row.flash.to_string());
-pub(super) const FLASH_DIFFERENCE: Column =
-    ("difference", |row, first| format!("{:+}", row.flash.cast_signed() - first.flash.cast_signed()));
-pub(super) const STATIC_RAM: Column = ("static RAM", |row, _| row.static_ram.to_string());
-pub(super) const STACK: Column = ("stack", |row, _| row.workload.stack.to_string());
+pub(super) const ERROR: Column = ("error", |row| row.error());
+pub(super) const FLASH: Column = ("flash", |row| row.flash.to_string());
+pub(super) const STATIC_RAM: Column = ("static RAM", |row| row.static_ram.to_string());
+pub(super) const STACK: Column = ("stack", |row| row.workload.stack.to_string());
 
 #[cfg(test)]
 mod tests {

@@ -28,7 +28,7 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
 
 fn report_contact_separation(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     use contact_separation::{EXPLICIT_STEPS, LOAD_TOLERANCES, LOADS, SETTLING, STEPS, TOLERANCES};
-    let mut scene = accuracy::contact_separation(&SETTLING, SETTLE_S, |_, _| {})?;
+    let mut scene = accuracy::scene("contact-separation", &SETTLING, SETTLE_S)?;
     let mut others = other_cases(&scene, &TOLERANCES, &STEPS, &EXPLICIT_STEPS)?;
     others.iter_mut().try_for_each(|case| add_double_precision(case, &scene))?;
     let mut cases = Vec::new();
@@ -46,7 +46,7 @@ fn report_contact_separation(bench: &Bench, output: &mut Output) -> Result<(), E
         rows::SETTING,
         rows::STEPS_PER_SECOND,
         ("error f32", rows::ERROR.1),
-        ("error f64", |row, _| host_error(&row.case, 0)),
+        ("error f64", |row| host_error(&row.case, 0)),
         rows::PER_STEP,
         rows::PER_SECOND,
     ];
@@ -63,7 +63,7 @@ them, which are not cycles.",
 
 fn report_sliding(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     use sliding::{ABOVE, BELOW, EXPLICIT_STEPS, LOAD_TOLERANCES, LOADS, SETTLING, STEPS, TOLERANCES};
-    let mut scene = accuracy::sliding(&SETTLING, SETTLE_S, |_, _| {})?;
+    let mut scene = accuracy::scene("sliding", &SETTLING, SETTLE_S)?;
     let mut others = other_cases(&scene, &TOLERANCES, &STEPS, &EXPLICIT_STEPS)?;
     for plan in [BELOW, ABOVE] {
         for (case, error) in others.iter_mut().zip(sliding_host_errors(plan)?) {
@@ -83,8 +83,8 @@ fn report_sliding(bench: &Bench, output: &mut Output) -> Result<(), Error> {
         rows::SETTING,
         rows::STEPS_PER_SECOND,
         ("error at 18.373 Hz", rows::ERROR.1),
-        ("at 18.303 Hz", |row, _| host_error(&row.case, 0)),
-        ("at 18.443 Hz", |row, _| host_error(&row.case, 1)),
+        ("at 18.303 Hz", |row| host_error(&row.case, 0)),
+        ("at 18.443 Hz", |row| host_error(&row.case, 1)),
         rows::PER_STEP,
         rows::PER_SECOND,
     ];
@@ -101,14 +101,14 @@ QEMU executes them, which are not cycles.",
 
 fn report_bump_stop(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     use bump_stop::{GAPS, SETTLING, STEPS};
-    const GAP: Column = ("gap in um", |row, _| row.case.name.clone());
-    const NOT_TAKEN: Column = ("not taken", |row, _| {
+    const GAP: Column = ("gap in um", |row| row.case.name.clone());
+    const NOT_TAKEN: Column = ("not taken", |row| {
         let rejected = row.workload.samples.last().and_then(|sample| sample.bits.get(REJECTED));
         rejected.map_or_else(String::new, |&count| format!("{:.0}", f64::from(count) / row.counted().seconds))
     });
     let mut cases = Vec::new();
     for gap in GAPS {
-        let scene = accuracy::bump_stop(&SETTLING, gap, 0.5, |_, _| {})?;
+        let scene = accuracy::bump_stop(&SETTLING, gap, 0.5)?;
         let name = format!("{}", gap * 1e6);
         let case = Case::of_scene(name, &scene, "discrete gradient", Steps::None)?;
         cases.extend(STEPS.map(|steps| Case { steps: Steps::ShortAndLong(steps), ..case.clone() }));
@@ -193,7 +193,7 @@ fn double_precision(case: &Case) -> Options {
 
 /// Relative errors of the sliding runs under `plan`, on the host, which computes the core's bits.
 fn sliding_host_errors(plan: Plan) -> Result<Vec<Option<f64>>, Error> {
-    let reference = Reference::new(&accuracy::sliding(&plan, SETTLE_S, |_, _| {})?)?;
+    let reference = Reference::new(&accuracy::scene("sliding", &plan, SETTLE_S)?)?;
     native::each(
         |visit| sliding::precision_of(plan, visit),
         |workload| Ok(reference.power_error(&native::run(workload)?)),
