@@ -60,6 +60,15 @@ fn what_is_not_toml_is_shown_with_its_line() {
 }
 
 #[test]
+fn a_key_with_line_breaks_and_escape_sequences_is_told_in_one_line() {
+    let key = "parameters.ma\r\nss\u{1b}[31m_kg";
+    refused(
+        &["run", SHIPPED, "--set", &format!("{key}=1")],
+        &["parameters.ma\\u{d}\\u{a}ss\\u{1b}[31m_kg = 1: unknown key"],
+    );
+}
+
+#[test]
 fn a_key_that_another_option_replaces() {
     let over = ["--over", "load.resistance_ohm=1e6:1e8:2"];
     for (command, options, parts) in [

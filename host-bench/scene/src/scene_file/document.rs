@@ -10,6 +10,7 @@ use super::KEYS;
 use super::key::{Kind, Table, Value};
 use super::overrides::{Override, alternatives};
 use crate::input::{MOST_OF_SCENE, read};
+use crate::name::Name;
 
 /// Longest value that a message repeats in full.
 const SHOWN: usize = 60;
@@ -57,20 +58,16 @@ impl SceneError {
 
 impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.file.display())?;
-        match self.origin {
-            Some(Origin::Line(line)) => write!(f, ":{line}: ")?,
-            Some(Origin::Override(option)) => write!(f, ": {option} ")?,
-            None => write!(f, ": ")?,
-        }
-        if let Some(key) = &self.key {
-            write!(f, "{key}")?;
-            if let Some(value) = &self.value {
-                write!(f, " = {value}")?;
-            }
-            write!(f, ": ")?;
-        }
-        write!(f, "{}", self.reason)
+        let place = match self.origin {
+            Some(Origin::Line(line)) => format!(":{line}: "),
+            Some(Origin::Override(option)) => format!(": {option} "),
+            None => ": ".to_owned(),
+        };
+        let value = self.value.as_ref().map(|value| format!(" = {value}")).unwrap_or_default();
+        let key = self.key.as_ref().map(|key| format!("{key}{value}: ")).unwrap_or_default();
+        // In one line, whatever stands in the names.
+        let text = format!("{}{place}{key}{}", self.file.display(), self.reason);
+        f.write_str(&Name::new(text).line())
     }
 }
 
