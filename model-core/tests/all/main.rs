@@ -1,6 +1,5 @@
 //! The tests of the public interface, in one binary: a scene and a method that several tests use are compiled once.
 
-mod arbitrary_images;
 mod bouncing_ball;
 mod bridge;
 mod bridged;
