@@ -196,3 +196,48 @@ fn a_browser_draws_the_day_of_a_node_and_the_report() {
         ["relative error of mean power: ", "host time per simulated second: ", " µs", "step or tolerance: "];
     assert!(tells(&charts, &parts), "{charts:?}");
 }
+
+/// A formula, quotes, a line break, an escape sequence and markup, for a file and for an action; what of it runs is a fault.
+const HOSTILE: &str = "=1+1\"'`&\n\u{1b}[31m<!--<script><img src=x onerror=faults.push(1)>";
+
+#[cfg(unix)]
+#[test]
+#[ignore = "nightly: needs Chromium"]
+fn a_browser_draws_the_pages_of_hostile_names() {
+    let folder = folder("page-hostile");
+    let shipped = |scene: &str| std::fs::read_to_string(scene).expect("a shipped scene");
+    let named = |ending: &str, content: String| file(&folder, &format!("{HOSTILE}.{ending}"), content);
+    let scene = named("toml", shipped(PASSIVE));
+    let data = named("data.csv", shipped(&MEASURED.replace(".toml", ".csv")));
+    let measured = named("fit.toml", shipped(MEASURED));
+    let action = serde_json::to_string(&format!("{HOSTILE}</script>")).expect("a text");
+    let node = named("node.toml", shipped(NODE).replacen("\"measure\"", &action, 1));
+    let trace = format!("{scene}.csv");
+    let run = |arguments: &[&str], is_short: bool, page: &str, charts: usize| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_host-bench"));
+        command.current_dir(&folder).args(arguments).args(SHORT.iter().filter(|_| is_short));
+        let output = command.output().expect("it starts");
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments:?}: {told}");
+        assert!(!told.contains('\u{1b}') && !output.stdout.contains(&0x1b), "{arguments:?}: {told}");
+        let found = used(&folder.join(page));
+        assert_eq!(found.len(), charts, "{arguments:?}: {found:?}");
+    };
+    let frequency = ["--over", "excitation.frequency_hz=18:22"];
+    run(
+        &["run", &scene, "--trace", &trace, "--trace-every", "1e-3", "--picture", "run.html"],
+        true,
+        "run.html",
+        5,
+    );
+    run(&["plot", &scene, &trace, "--output", "plot.html"], true, "plot.html", 5);
+    let sweep = ["sweep", &scene, "--over", "excitation.frequency_hz=19:22:4", "--no-accuracy"];
+    run(&[&sweep[..], &["--output", "sweep"]].concat(), true, "sweep/sweep.html", 2);
+    let optimise = ["optimise", &measured, "--maximise", "mean_power_w", "--grid", "5", "--steady-state"];
+    run(&[&optimise[..], &frequency, &["--picture", "best.html"]].concat(), false, "best.html", 2);
+    let range = ["--amplitude", "0.5:1", "--frequency", "19:20", "--places", "30", "--picture", "map.html"];
+    run(&[&["map", &scene], &range[..]].concat(), false, "map.html", 1);
+    run(&["attractors", &scene, "--starts", "16", "--picture", "starts.html"], true, "starts.html", 2);
+    run(&["fit", &measured, "--data", &data, "--picture", "fit.html"], false, "fit.html", 4);
+    run(&["budget", &node], false, "report/budget.html", 4);
+}
