@@ -26,6 +26,7 @@ pub mod work_precision;
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::ops::RangeInclusive;
 use std::process::ExitCode;
 
 pub use self::watch::be_quiet;
@@ -120,6 +121,18 @@ pub fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// A bar on standard error, if that is a terminal.
+/// Reads the value of an option that is a count, within bounds.
+pub(crate) fn count<T: TryFrom<u64>>(
+    bounds: RangeInclusive<u64>,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync {
+    move |text| {
+        let count = text.parse().ok().filter(|count| bounds.contains(count));
+        count
+            .and_then(|count| T::try_from(count).ok())
+            .ok_or_else(|| format!("must be a whole number from {} to {}", bounds.start(), bounds.end()))
+    }
+}
+
 pub(crate) fn progress(count: usize) -> ProgressBar {
     let target = if is_quiet() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(Some(count as u64), target);

@@ -77,12 +77,9 @@ impl Request {
         };
         range("amplitude", self.amplitudes, [1e-3, 1e4])?;
         range("frequency", self.frequencies, [1e-6, 1e5])?;
-        let Self { voltages, error, places, .. } = self;
+        let Self { voltages, error, .. } = self;
         if !(*error > 0.0 && *error <= 1.0) {
             return refuse(format!("error {error}: must be above 0, to 1"));
-        }
-        if !(30..=10_000).contains(places) {
-            return refuse(format!("places {places}: must be from 30 to 10000"));
         }
         if voltages.len() > MOST_SLICES || voltages.iter().any(|voltage| !(1e-2..=1e3).contains(voltage)) {
             return refuse(format!("voltage: must be up to {MOST_SLICES} voltages from 0.01 to 1000"));

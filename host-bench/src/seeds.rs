@@ -14,8 +14,6 @@ use crate::outcome::{self, Fields, Format, Outcome, fields, flattened, rows_csv,
 use crate::run::run_scene;
 use crate::scene_file::{Excitation, Scene};
 
-/// Seeds of one command.
-const COUNTS: [i64; 2] = [2, 100_000];
 /// The highest seed that a scene file takes.
 const HIGHEST_SEED: u64 = 4_294_967_295;
 /// Probability of the confidence interval.
@@ -44,17 +42,12 @@ impl Seeds {
     /// `count` seeds from that of the scene on.
     ///
     /// # Errors
-    /// A scene without a seed, or a count out of bounds.
-    pub fn new(scene: &Scene, count: i64) -> Result<Self, Failure> {
-        let [least, most] = COUNTS;
-        if !(least..=most).contains(&count) {
-            let text = format!("--seeds {count}: must be a whole number from {least} to {most}");
-            return Err(Failure::Input(text));
-        }
+    /// A scene without a seed, or a last seed out of bounds.
+    pub fn new(scene: &Scene, count: u64) -> Result<Self, Failure> {
         let Some(random) = scene.excitation.random() else {
             return Err(Failure::of_file(scene, "excitation.kind: must be \"random\" with --seeds"));
         };
-        let (first, count) = (random.seed, count.unsigned_abs());
+        let (first, count) = (random.seed, count);
         if first + count - 1 > HIGHEST_SEED {
             let text = format!("--seeds {count}: the last seed must be at most {HIGHEST_SEED}");
             return Err(Failure::Input(text));

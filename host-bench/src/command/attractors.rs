@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::files::Outputs;
 use super::sweep::picture::{Quantity, Words, draw};
 use super::sweep::{Axis, page, values};
-use super::{NODE, SceneArguments, check_overrides, json_text, one_more, print, progress};
+use super::{NODE, SceneArguments, check_overrides, count, json_text, one_more, print, progress};
 use crate::accuracy::{Statements, run_as_it_is, tell_warnings};
 use crate::attractors::{self, Place, UNSETTLED, branches, ends, failed, settled};
 use crate::method::Failure;
@@ -33,7 +33,7 @@ pub struct AttractorsArguments {
     #[command(flatten)]
     scene: SceneArguments,
     /// Starts beside that of the scene, in a square grid over displacement and velocity
-    #[arg(long, value_name = "COUNT", default_value_t = 64, value_parser = clap::value_parser!(u32).range(4..=100_000))]
+    #[arg(long, value_name = "COUNT", default_value_t = 64, value_parser = count::<u32>(4..=100_000))]
     starts: u32,
     /// Write the mean power over displacement and velocity at the start (.svg), or a page with zoom (.html)
     #[arg(long, value_name = "FILE.svg|.html")]

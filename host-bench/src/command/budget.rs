@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::files::{Outputs, make_folder, report_folder};
 use super::watch::Watch;
-use super::{check_overrides, print};
+use super::{check_overrides, count, print};
 use crate::accuracy::{Statements, run_as_it_is, tell_warnings};
 use crate::budget::outcome::Source;
 use crate::budget::{income, picture, simulate};
@@ -14,8 +14,6 @@ use crate::scene_file::{self, Load, Override};
 
 /// The picture, and the page with it.
 const REPORT: [&str; 2] = ["budget.svg", "budget.html"];
-/// Most days before the day that is shown.
-const MOST_LEARNING_DAYS: u32 = 366;
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct BudgetArguments {
@@ -26,7 +24,7 @@ pub struct BudgetArguments {
     #[arg(long)]
     exact: bool,
     /// Days before the one that is shown, in which the node learns when income comes
-    #[arg(long, value_name = "COUNT", default_value_t = 2)]
+    #[arg(long, value_name = "COUNT", default_value_t = 2, value_parser = count::<u32>(0..=366))]
     learning_days: u32,
     /// Precision of the harvester and the budget
     #[arg(long, value_enum, default_value = "f32")]
@@ -48,10 +46,6 @@ pub struct BudgetArguments {
 /// Simulates the day, draws it and prints its numbers.
 pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     let learning_days = arguments.learning_days;
-    if learning_days > MOST_LEARNING_DAYS {
-        let text = format!("--learning-days {learning_days}: must be at most {MOST_LEARNING_DAYS}");
-        return Err(Failure::Input(text));
-    }
     let (scene, node) = scene_file::read_with_node(&arguments.scene, &arguments.overrides)?;
     check_overrides(&arguments.overrides, &[])?;
     let options = income::options(&scene, arguments.precision, arguments.tolerance);

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::files::Outputs;
-use super::{NODE, SceneArguments, check_keys, check_overrides, print, progress};
+use super::{NODE, SceneArguments, check_keys, check_overrides, count, print, progress};
 use crate::accuracy::tell_warnings;
 use crate::fit::{self, Found, Request, free::Asked};
 use crate::method::Failure;
@@ -38,10 +38,10 @@ pub struct FitArguments {
     #[arg(long, value_enum)]
     loss: Option<LossName>,
     /// Most further starts, if the first one does not end well [default: 24]
-    #[arg(long, value_name = "COUNT")]
+    #[arg(long, value_name = "COUNT", value_parser = count::<usize>(0..=1000))]
     starts: Option<usize>,
     /// Iterations after which a search is given up; the fit has then not converged
-    #[arg(long, value_name = "COUNT", default_value_t = 60)]
+    #[arg(long, value_name = "COUNT", default_value_t = 60, value_parser = count::<usize>(1..=1000))]
     iterations: usize,
     /// Write the scene with the fitted values, and data and model as a picture beside it (.svg)
     #[arg(long, value_name = "FITTED.toml")]
@@ -80,9 +80,6 @@ fn fitted(arguments: &FitArguments) -> Result<Found, Failure> {
         return Err(Failure::Input(format!("--starts {starts}: must be at most 1000")));
     }
     let iterations = arguments.iterations;
-    if !(1..=1000).contains(&iterations) {
-        return Err(Failure::Input(format!("--iterations {iterations}: must be from 1 to 1000")));
-    }
     check_overrides(overrides, &[NODE])?;
     let keys: Vec<(&str, &str)> = free.iter().map(|asked| ("--free", asked.key.as_str())).collect();
     check_keys(&keys, &[NODE, ("fit", "[fit] is no part of the model")])?;

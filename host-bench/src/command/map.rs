@@ -7,7 +7,7 @@ use std::str::FromStr;
 use serde_json::json;
 
 use super::files::Outputs;
-use super::{NODE, SceneArguments, Unused, check_overrides, one_more, print, progress, set_option};
+use super::{NODE, SceneArguments, Unused, check_overrides, count, one_more, print, progress, set_option};
 use crate::accuracy::tell_warnings;
 use crate::map::{self, Agreement, Heard, Map, Request, Said, Step};
 use crate::method::Failure;
@@ -64,13 +64,13 @@ pub struct MapArguments {
     #[arg(long, value_name = "REL", default_value_t = 0.02)]
     error: f64,
     /// Random places of each slice, off the nodes, by which the bounds are measured, and as many others that check them
-    #[arg(long, value_name = "COUNT", default_value_t = 300)]
+    #[arg(long, value_name = "COUNT", default_value_t = 300, value_parser = count::<usize>(30..=10_000))]
     places: usize,
     /// Seed of the random places
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
     /// Random inputs (a line, two lines, noise) of which the bank of lines and the map are asked, against trajectories
-    #[arg(long, value_name = "COUNT", default_value_t = 0)]
+    #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = count::<usize>(0..=100_000))]
     inputs: usize,
     /// Write the map into this file: .rs constants for firmware, .bin bytes; and a picture beside it
     #[arg(long, value_name = "FILE")]

@@ -10,6 +10,7 @@ mod rows;
 mod work_precision;
 
 use self::output::{Format, Output};
+use super::count;
 use crate::on_target::core::Core;
 use crate::on_target::{Bench, Error, day, qemu};
 use clap::{Args, ValueEnum};
@@ -26,7 +27,7 @@ pub struct OnTargetArguments {
     core: Vec<Core>,
 
     /// How long a run may take, in seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 120)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = count::<u64>(1..=86_400))]
     time_limit: u64,
 
     /// Output format

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::files::Outputs;
 use super::fit::folder;
 use super::storage_voltage::StorageVoltage;
-use super::{NODE, SceneArguments, check_keys, json_text, one_more, print, progress, tell};
+use super::{NODE, SceneArguments, check_keys, count, json_text, one_more, print, progress, tell};
 use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
 use crate::name::Name;
@@ -49,7 +49,7 @@ pub struct OptimiseArguments {
     #[arg(long)]
     keep_margins: bool,
     /// Points of the coarse grid for each key [default: 41, 15, 7 or 5 for one to four keys]
-    #[arg(long, value_name = "COUNT")]
+    #[arg(long, value_name = "COUNT", value_parser = count::<usize>(3..=MOST as u64))]
     grid: Option<usize>,
     /// Seek the periodic steady state under one sine by shooting at each point, in place of the run
     #[arg(long)]
@@ -166,10 +166,8 @@ fn grid(arguments: &OptimiseArguments) -> Result<usize, Failure> {
     };
     let count = arguments.grid.unwrap_or(*default);
     let all = u32::try_from(keys).ok().and_then(|keys| count.checked_pow(keys));
-    if count < 3 || all.is_none_or(|all| all > MOST) {
-        return refuse(format!(
-            "--grid {count}: must be at least 3, with at most {MOST} points over {keys} keys"
-        ));
+    if all.is_none_or(|all| all > MOST) {
+        return refuse(format!("--grid {count}: must have at most {MOST} points over {keys} keys"));
     }
     Ok(count)
 }

@@ -5,7 +5,7 @@ mod short_open;
 use serde_json::json;
 
 use super::storage_voltage::StorageVoltage;
-use super::{NODE, SceneArguments, Unused, check_overrides, one_more, print, progress};
+use super::{NODE, SceneArguments, Unused, check_overrides, count, one_more, print, progress};
 use crate::accuracy::{Statements, tell_warnings};
 use crate::embedded::{Search, search as peaks};
 use crate::method::{Failure, Options};
@@ -19,8 +19,6 @@ const UNUSED: [Unused; 3] = [
     ("run", "the steady state does not depend on the length of a run"),
     ("excitation.frequency_hz", "--from and --to give the frequencies"),
 ];
-/// Most frequencies of a scan.
-const MOST_POINTS: usize = 100_000;
 /// Steady states that narrowing down the peaks takes, beside those of the scan: thrice a dozen.
 const NARROWING: usize = 36;
 
@@ -35,7 +33,7 @@ pub struct ResonanceArguments {
     #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
     to: f64,
     /// Frequencies of the scan from which the peaks are narrowed down
-    #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_POINTS)]
+    #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_POINTS, value_parser = count::<usize>(3..=100_000))]
     points: usize,
     /// Compare the resonances with short-circuited and open terminals: their frequencies, the coupling factor, and the
     /// largest power into a resistor at both; the load of the scene is not used
@@ -56,9 +54,6 @@ pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
     }
     if !(from < to) {
         return refuse(format!("--from {from}: must be below --to {to}"));
-    }
-    if !(3..=MOST_POINTS).contains(&points) {
-        return refuse(format!("--points {points}: must be from 3 to {MOST_POINTS}"));
     }
     let mut scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
     let load: Unused = ("load", "--short-open gives the loads");

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::files::Outputs;
 use super::storage_voltage::StorageVoltage;
 use super::watch::Watch;
-use super::{NODE, SceneArguments, check_overrides, one_more, print, progress, tell};
+use super::{NODE, SceneArguments, check_overrides, count, one_more, print, progress, tell};
 use crate::accuracy::{imbalance, run_with_accuracy, tell_warnings};
 use crate::attractors::add_branches;
 use crate::method::{Failure, Options};
@@ -45,8 +45,9 @@ pub struct RunArguments {
     single_start: bool,
     /// Run a scene with a random excitation with this many seeds, from its own on, on all cores: means over the seeds, with
     /// their confidence intervals
-    #[arg(long, value_name = "COUNT", conflicts_with_all = ["trace", "steady_state"], allow_hyphen_values = true)]
-    seeds: Option<i64>,
+    #[arg(long, value_name = "COUNT", conflicts_with_all = ["trace", "steady_state"], allow_hyphen_values = true,
+        value_parser = count::<u64>(2..=100_000))]
+    seeds: Option<u64>,
 }
 
 /// Runs the scene, writes the trace and prints the outcome; nothing of either if it fails.
@@ -107,7 +108,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
 }
 
 /// Runs the scene with several seeds and prints the statistics over them.
-fn run_seeds(arguments: &RunArguments, scene: &Scene, options: &Options, count: i64) -> Result<(), Failure> {
+fn run_seeds(arguments: &RunArguments, scene: &Scene, options: &Options, count: u64) -> Result<(), Failure> {
     let seeds = seeds::Seeds::new(scene, count)?;
     let bar = progress(seeds.count());
     let found = Statistics::of(scene, options, &seeds, !arguments.no_accuracy, || one_more(&bar));

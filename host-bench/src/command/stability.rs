@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use clap::ValueEnum as _;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{SHIPPED_SCENES, json_text, note, print};
+use super::{SHIPPED_SCENES, count, json_text, note, print};
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::stability::{CASES, Case, Effort, Extent, Kind, Row, draw_varied, grid, page, summary};
@@ -28,7 +28,7 @@ pub struct StabilityArguments {
     #[arg(long, value_enum, default_value_t)]
     format: Format,
     /// Run this many random scenes in place of the grid
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..),
+    #[arg(long, value_name = "COUNT", value_parser = count::<u64>(1..=1_000_000),
         conflicts_with_all = ["grid", "scene", "report"])]
     random: Option<u64>,
     /// Which random scenes

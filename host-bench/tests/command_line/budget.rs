@@ -271,7 +271,7 @@ fn what_a_node_must_not_be_is_refused() {
     with("node.storage.highest_v=2.7", &["turn_on_v", "below highest_v = 2.7"]);
     with("node.storage.initial_v=4", &["node.storage.initial_v = 4", "at most highest_v = 3.15"]);
     with("node.storage={}", &["node.storage.capacitance_f: is missing"]);
-    refused(&["budget", NODE, "--learning-days", "1000"], &["--learning-days 1000", "at most 366"]);
+    refused(&["budget", NODE, "--learning-days", "1000"], &["--learning-days", "'1000'", "from 0 to 366"]);
     refused(&["budget", NODE, "--svg", "/nowhere/day.svg"], &["--svg /nowhere/day.svg", "must be a folder"]);
     let lossy = "node.storage={charging_efficiency=0.8}";
     refused(

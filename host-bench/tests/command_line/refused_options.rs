@@ -127,3 +127,34 @@ fn of_the_comparison_with_peers() {
     refused(&["work-precision", "--csv", "rows.csv"], &["--peers"]);
     refused(&["work-precision", "--peers", "all", "--set", "run.duration_s=1"], &["--peers", "--set"]);
 }
+
+#[test]
+fn counts_have_bounds() {
+    let measured = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
+    let node = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
+    let map = ["map", SHIPPED, "--amplitude", "1:2", "--frequency", "19:20"];
+    let best = ["optimise", SHIPPED, "--maximise", "mean_power_w", "--over", "load.resistance_ohm=1e6:1e8"];
+    let resonance = ["resonance", SHIPPED, "--from", "10", "--to", "20"];
+    for count in ["-1", "1000001", "1000000000000", "18446744073709551615", "18446744073709551616"] {
+        let options: [(&[&str], &str, &str); 12] = [
+            (&["attractors", SHIPPED], "--starts", "100000"),
+            (&["budget", node], "--learning-days", "366"),
+            (&["fit", measured], "--iterations", "1000"),
+            (&["fit", measured], "--starts", "1000"),
+            (&map, "--inputs", "100000"),
+            (&map, "--places", "10000"),
+            (&["on-target"], "--time-limit", "86400"),
+            (&best, "--grid", "100000"),
+            (&resonance, "--points", "100000"),
+            (&["run", SHIPPED], "--seeds", "100000"),
+            (&["stability"], "--random", "1000000"),
+            (&["sweep", SHIPPED], "--over", "100000"),
+        ];
+        for (command, option, bound) in options {
+            let axis = format!("load.resistance_ohm=1e6:1e8:{count}");
+            let value = if option == "--over" { &axis } else { count };
+            let argument = format!("{option}={value}");
+            refused(&[command, &[&argument]].concat(), &[option, count, bound]);
+        }
+    }
+}

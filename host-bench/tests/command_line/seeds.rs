@@ -76,8 +76,8 @@ fn tables_have_a_row_for_each_quantity() {
 #[test]
 fn what_has_no_seed_is_refused() {
     refused(&["run", SHIPPED, "--seeds", "20"], &["excitation.kind", "must be \"random\" with --seeds"]);
-    refused(&seeds(&["--seeds", "1"]), &["--seeds 1", "a whole number from 2 to 100000"]);
-    refused(&seeds(&["--seeds", "-3"]), &["--seeds -3", "a whole number from 2 to 100000"]);
+    refused(&seeds(&["--seeds", "1"]), &["--seeds", "'1'", "a whole number from 2 to 100000"]);
+    refused(&seeds(&["--seeds", "-3"]), &["--seeds", "'-3'", "a whole number from 2 to 100000"]);
     refused(&seeds(&["--seeds", "2", "--steady-state"]), &["--seeds", "--steady-state"]);
     refused(
         &seeds(&["--seeds", "2", "--set", "excitation.seed=4294967295"]),

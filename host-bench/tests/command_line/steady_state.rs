@@ -125,6 +125,6 @@ fn what_has_no_period_map_is_refused() {
     refused(&range("0", "20"), &["--from 0", "above 0"]);
     refused(&range("19", "nan"), &["--to NaN"]);
     refused(&range("20", "19"), &["--from 20", "--to 19"]);
-    refused(&[&range("19", "20")[..], &["--points", "2"]].concat(), &["--points 2", "from 3"]);
+    refused(&[&range("19", "20")[..], &["--points", "2"]].concat(), &["--points", "'2'", "from 3"]);
     refused(&[&range("19", "20")[..], &["--method", "reference"]].concat(), &["--method reference"]);
 }
