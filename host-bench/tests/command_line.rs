@@ -14,6 +14,7 @@ mod command_line {
     mod help;
     mod hints;
     mod hostile_names;
+    mod interrupted;
     mod keys;
     mod limits;
     mod needs;

@@ -86,11 +86,12 @@ pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
         let draw = if is_page(path) { page::page } else { draw };
         let drawn = draw(words, &axes, &[quantity]);
         if let Some(drawn) = drawn.map_err(Failure::Input)? {
-            outputs.write(path, &drawn)?;
+            outputs.keep(path, drawn);
         }
     }
     tell_warnings(&Statements::of(&outcomes).fields(&doubts));
-    print(&text(&found, &outcomes, &doubts, *format)?)
+    print(&text(&found, &outcomes, &doubts, *format)?)?;
+    outputs.ended()
 }
 
 /// Columns of the table.

@@ -89,14 +89,15 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     let svg = picture::svg(&day)
         .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))?;
     match &arguments.svg {
-        Some(file) => outputs.write(file, &svg)?,
+        Some(file) => outputs.keep(file, &svg),
         None => {
             let folder = report_folder();
             make_folder(&folder)?;
             let [picture, page] = REPORT.map(|name| folder.join(name));
-            outputs.write(&picture, &svg)?;
-            outputs.write(&page, &picture::page(&day, &source, &svg))?;
+            outputs.keep(&picture, &svg);
+            outputs.keep(&page, picture::page(&day, &source, &svg));
         }
     }
-    print(&day.text(&source, arguments.format))
+    print(&day.text(&source, arguments.format))?;
+    outputs.ended()
 }

@@ -56,7 +56,7 @@ pub fn run(arguments: &FiguresArguments) -> Result<(), Failure> {
             }
         }
         let page = folder.join(PAGE);
-        outputs.write(&page, &figures::page(&chapter))?;
+        outputs.write(&page, figures::page(&chapter))?;
         let labels: Vec<&str> = chapter.figures.iter().map(|figure| figure.label).collect();
         bar.suspend(|| {
             note(&format!("figures: {}: {}: {}", subject.name(), labels.join(", "), page.display()));

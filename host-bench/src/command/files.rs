@@ -1,10 +1,13 @@
-//! Files that a command writes: checked before it computes, and written whole or not at all.
+//! Files that a command writes: checked and locked before it computes, and written whole or not at all.
 
-use std::fs::{self, File, Metadata, OpenOptions};
+use std::cell::RefCell;
+use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use super::note;
 use crate::method::Failure;
+use crate::name::Name;
 use crate::scene_file::{Override, files, shipped};
 
 /// The folder of reports, in that of the caller.
@@ -18,16 +21,19 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
         .map_err(|error| Failure::Input(format!("{}: cannot be made: {error}", folder.display())))
 }
 
-/// Writes files, none of which replaces a file that the command reads.
-#[derive(Debug)]
+/// Writes files, none of which replaces a file that the command reads. A file that was checked is locked until it is
+/// written, or until this is dropped.
+#[derive(Debug, Default)]
 pub(crate) struct Outputs {
     inputs: Vec<PathBuf>,
+    claims: RefCell<Vec<Claim>>,
+    failed: RefCell<Option<Failure>>,
 }
 
 impl Outputs {
     /// Of a command that reads this scene.
     pub(crate) fn of(scene: &Path, overrides: &[Override]) -> Result<Self, Failure> {
-        Ok(Self { inputs: files(scene, overrides)? })
+        Ok(Self { inputs: files(scene, overrides)?, ..Self::default() })
     }
 
     /// Of a command that reads these files too.
@@ -38,15 +44,20 @@ impl Outputs {
 
     /// Of a command that reads these shipped scenes.
     pub(crate) fn of_shipped<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
-        Self { inputs: names.into_iter().map(shipped).collect() }
+        Self { inputs: names.into_iter().map(shipped).collect(), ..Self::default() }
     }
 
-    /// Refuses a file that could not be written or must not be replaced; `option` names it.
+    /// Locks a file. Refuses one that could not be written, must not be replaced, is locked by another command, or was
+    /// named before; `option` names it.
     pub(crate) fn check(&self, option: &str, file: &Path) -> Result<(), Failure> {
-        let writable = self.target(file).and_then(|(target, _)| {
-            try_beside(&target).map_err(|error| format!("cannot be written: {error}"))
+        let claimed = self.target(file).and_then(|(target, _)| {
+            if self.claims.borrow().iter().any(|claim| claim.target == target) {
+                return Err("must not be the file of another output of this command".to_owned());
+            }
+            self.claims.borrow_mut().push(Claim::of(target)?);
+            Ok(())
         });
-        writable.map_err(|reason| refusal(option, file, &reason))
+        claimed.map_err(|reason| refusal(option, file, &reason))
     }
 
     /// As [`Outputs::check`], of a picture whose name must end in one of these.
@@ -75,25 +86,36 @@ impl Outputs {
         if !above.is_dir() {
             return refuse(&format!("cannot be made: {} must be a folder", above.display()));
         }
-        try_beside(&above.join("folder")).or_else(|error| refuse(&format!("cannot be made: {error}")))
+        let trial = above.join(".host-bench.trial");
+        let made = File::create(&trial).map(|_| fs::remove_file(&trial));
+        // Another command may have removed it.
+        made.map(|_| ()).or_else(|error| refuse(&format!("cannot be made: {error}")))
     }
 
     /// Writes a file whole or not at all: to a temporary file beside it, which is then renamed.
-    pub(crate) fn write(&self, file: &Path, text: &str) -> Result<(), Failure> {
-        self.write_bytes(file, text.as_bytes())
-    }
-
-    /// As [`Outputs::write`], of bytes.
-    pub(crate) fn write_bytes(&self, file: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    pub(crate) fn write(&self, file: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
         let refuse = |reason: String| Failure::Input(format!("{}: {reason}", file.display()));
         let (target, replaced) = self.target(file).map_err(refuse)?;
-        let part = part_of(&target);
-        let written = write_new(&part, bytes, replaced.as_ref()).and_then(|()| fs::rename(&part, &target));
-        written.map_err(|error| {
-            // Removes the temporary file, if it was made.
-            let _ = fs::remove_file(&part);
-            refuse(format!("cannot be written: {error}"))
-        })
+        let known = self.claims.borrow().iter().position(|claim| claim.target == target);
+        let claim = match known {
+            Some(index) => self.claims.borrow_mut().swap_remove(index),
+            None => Claim::of(target).map_err(refuse)?,
+        };
+        let filled = claim.fill(bytes.as_ref(), replaced.as_ref());
+        filled.map_err(|error| refuse(format!("cannot be written: {error}")))
+    }
+
+    /// As [`Outputs::write`], of a command that prints its result whether or not the file can be written, and then fails by
+    /// [`Outputs::ended`].
+    pub(crate) fn keep(&self, file: &Path, bytes: impl AsRef<[u8]>) {
+        if let Err(failure) = self.write(file, bytes) {
+            self.failed.borrow_mut().get_or_insert(failure);
+        }
+    }
+
+    /// The first failure of [`Outputs::keep`].
+    pub(crate) fn ended(&self) -> Result<(), Failure> {
+        self.failed.take().map_or(Ok(()), Err)
     }
 
     /// The file that a path leads to, through links, and what is there now; refuses what must not be replaced.
@@ -106,7 +128,11 @@ impl Outputs {
             Err(_) if !folder_of(file).is_dir() => {
                 return Err(format!("{} must be a folder", folder_of(file).display()));
             }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok((file.to_owned(), None)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let folder = fs::canonicalize(folder_of(file));
+                let folder = folder.map_err(|error| format!("cannot be written: {error}"))?;
+                return Ok((folder.join(file.file_name().unwrap_or_default()), None));
+            }
             Err(error) => return Err(format!("cannot be written: {error}")),
         }
         let target =
@@ -136,25 +162,88 @@ fn refusal(option: &str, path: &Path, reason: &str) -> Failure {
     Failure::Input(format!("{option}{space}{}: {reason}", path.display()))
 }
 
-/// Makes and removes the temporary file beside a file.
-fn try_beside(file: &Path) -> io::Result<()> {
-    let part = part_of(file);
-    // It is closed before it is removed.
-    drop(File::create_new(&part)?);
-    fs::remove_file(&part)
+/// The lock of a file that will be written, which is its temporary file too.
+#[derive(Debug)]
+struct Claim {
+    target: PathBuf,
+    part: PathBuf,
+    file: File,
 }
 
-/// Writes a new file with the permissions of the one that it replaces.
-fn write_new(part: &Path, bytes: &[u8], replaced: Option<&Metadata>) -> io::Result<()> {
-    let mut file = File::create_new(part)?;
-    file.write_all(bytes)?;
-    replaced.map_or(Ok(()), |replaced| file.set_permissions(replaced.permissions()))
+impl Claim {
+    /// Locks the temporary file beside a file. That of a command that is gone is taken over.
+    fn of(target: PathBuf) -> Result<Self, String> {
+        let part = beside(&target, "part");
+        let named = Name::of_file(&part).line();
+        let failed = |error: io::Error| format!("cannot be written: {named}: {error}");
+        loop {
+            let (made, file) = match File::create_new(&part) {
+                Ok(file) => (true, file),
+                Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(failed(error)),
+                Err(_) => match fs::symlink_metadata(&part) {
+                    Err(_) => continue,
+                    Ok(found) if !found.is_file() => return Err(format!("{named} must be a file")),
+                    Ok(_) => match OpenOptions::new().write(true).open(&part) {
+                        Ok(file) => (false, file),
+                        Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                        Err(error) => return Err(failed(error)),
+                    },
+                },
+            };
+            match file.try_lock() {
+                Err(TryLockError::WouldBlock) => {
+                    return Err(format!("is being written by another command, which has locked {named}"));
+                }
+                // Some file systems have no locks.
+                Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => {
+                    return Err(failed(error));
+                }
+                _ => {}
+            }
+            // Its owner may have renamed or removed it before the lock was taken.
+            let own = file.try_clone().and_then(same_file::Handle::from_file).map_err(failed)?;
+            if same_file::Handle::from_path(&part).is_ok_and(|there| there == own) {
+                if !made {
+                    note(&format!("{}: was left by a command that is gone, is taken over", part.display()));
+                }
+                return Ok(Self { target, part, file });
+            }
+        }
+    }
+
+    /// Writes the file, with the permissions of the one that it replaces, and renames it.
+    fn fill(mut self, bytes: &[u8], replaced: Option<&Metadata>) -> io::Result<()> {
+        self.file.set_len(0)?;
+        self.file.write_all(bytes)?;
+        replaced.map_or(Ok(()), |replaced| self.file.set_permissions(replaced.permissions()))?;
+        place(&self.file, &self.part, &self.target)
+    }
 }
 
-/// The temporary file beside a file.
-fn part_of(file: &Path) -> PathBuf {
+impl Drop for Claim {
+    /// Removes the temporary file. After it was renamed there is none, or that of another command.
+    fn drop(&mut self) {
+        let own = self.file.try_clone().and_then(same_file::Handle::from_file);
+        let there = same_file::Handle::from_path(&self.part);
+        if matches!((own, there), (Ok(own), Ok(there)) if own == there) {
+            // Nothing is lost if it stays.
+            let _ = fs::remove_file(&self.part);
+        }
+    }
+}
+
+/// Renames a file that was written, so that a failure of the power leaves the old one or the new one.
+pub(super) fn place(file: &File, from: &Path, to: &Path) -> io::Result<()> {
+    file.sync_all()?;
+    fs::rename(from, to)?;
+    // Only some systems open a folder as a file.
+    File::open(folder_of(to)).map_or(Ok(()), |folder| folder.sync_all())
+}
+
+/// A file beside another one, which no other program names so.
+pub(super) fn beside(file: &Path, ending: &str) -> PathBuf {
     let mut name = file.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
+    name.push(format!(".host-bench.{ending}"));
     folder_of(file).join(name)
 }
 

@@ -53,8 +53,9 @@ pub struct FitArguments {
 
 /// Fits, writes the files, and prints the result.
 pub fn run(arguments: &FitArguments) -> Result<(), Failure> {
-    let found = fitted(arguments)?;
+    let (found, outputs) = fitted(arguments)?;
     print(&fit::text(&found, arguments.scene.format)?)?;
+    outputs.ended()?;
     ended(&found, arguments.output.as_deref())
 }
 
@@ -63,7 +64,8 @@ pub fn run(arguments: &FitArguments) -> Result<(), Failure> {
 /// # Errors
 /// [`Failure::Input`] for bad input, [`Failure::Step`] where the fitted scene was asked for and is not written.
 pub fn json(arguments: &FitArguments) -> Result<String, Failure> {
-    let found = fitted(arguments)?;
+    let (found, outputs) = fitted(arguments)?;
+    outputs.ended()?;
     // Who goes on with the file would take that of an earlier fit.
     match (&arguments.output, unwritten(&found)) {
         (Some(path), Some(reason)) => Err(not_written(path, reason)),
@@ -71,7 +73,8 @@ pub fn json(arguments: &FitArguments) -> Result<String, Failure> {
     }
 }
 
-fn fitted(arguments: &FitArguments) -> Result<Found, Failure> {
+/// Fits. Returns the files after they were written, too.
+fn fitted(arguments: &FitArguments) -> Result<(Found, Outputs), Failure> {
     let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
     let (scene, table) = scene_file::read_with_fit(file, overrides)?;
     let (free, huber) = (arguments.free(&table)?, arguments.is_huber(&table)?);
@@ -99,7 +102,7 @@ fn fitted(arguments: &FitArguments) -> Result<Found, Failure> {
     let found = found?;
     tell_warnings(&found.statements.fields(&found.warnings));
     arguments.write(&outputs, &found)?;
-    Ok(found)
+    Ok((found, outputs))
 }
 
 impl FitArguments {
@@ -151,12 +154,12 @@ impl FitArguments {
         let is_written = unwritten(found).is_none();
         for path in self.beside().iter().filter(|_| is_written).chain(&self.picture) {
             let drawn = if is_page(path) { fit::page(found, &name) } else { fit::draw(found, &name) };
-            outputs.write(path, &drawn.map_err(Failure::Input)?)?;
+            outputs.keep(path, drawn.map_err(Failure::Input)?);
         }
         if let Some(path) = self.output.as_ref().filter(|_| is_written) {
             let entries = found.entries();
             let moved = folder(path) != folder(file);
-            outputs.write(path, &fit::fitted_scene(file, overrides, &entries, moved)?)?;
+            outputs.keep(path, fit::fitted_scene(file, overrides, &entries, moved)?);
         }
         Ok(())
     }

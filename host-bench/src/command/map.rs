@@ -104,15 +104,15 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let name = Name::of_file(&arguments.scene.scene).line();
     if let Some([map_file, picture]) = &files {
         if map_file.extension() == Some(OsStr::new("rs")) {
-            outputs.write(map_file, &map::module(&found, &name, &command(arguments)))?;
+            outputs.keep(map_file, map::module(&found, &name, &command(arguments)));
         } else {
-            outputs.write_bytes(map_file, &map::bytes(&found))?;
+            outputs.keep(map_file, map::bytes(&found));
         }
-        outputs.write(picture, &map::draw(&found, 0, &name)?)?;
+        outputs.keep(picture, map::draw(&found, 0, &name)?);
     }
     if let Some(file) = &arguments.picture {
         let drawn = if is_page(file) { map::page(&found, &name)? } else { map::draw(&found, 0, &name)? };
-        outputs.write(file, &drawn)?;
+        outputs.keep(file, drawn);
     }
     let warnings: Vec<String> = missed(&found.agreement, request.error)
         .chain(beside(found.axes.centre_hz, request.frequencies))
@@ -137,7 +137,8 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
         numbers.extend(inputs(&heard));
     }
     numbers.extend(stated);
-    print(&text(&numbers, arguments.scene.format))
+    print(&text(&numbers, arguments.scene.format))?;
+    outputs.ended()
 }
 
 /// The targets of a map that it misses, as warnings; `median` is that of the relative error.

@@ -89,7 +89,7 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     let emission = Emitting { study: &study, needs: &needs, numerics: &numerics };
     if let Some(file) = &arguments.emit {
         let command = command(arguments, file);
-        outputs.write(file, &emission.cut(&command)?)?;
+        outputs.keep(file, emission.cut(&command)?);
     }
     let on_core = arguments.core.map(|core| emission.on_core(core)).transpose()?;
     print(&match format {
@@ -103,7 +103,8 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
             json_text(&object)?
         }
         Format::Csv => csv_text(&needs.findings, &numerics, on_core.as_deref().unwrap_or_default()),
-    })
+    })?;
+    outputs.ended()
 }
 
 /// The scene at the corners of the range of amplitude and frequency; without a range there is none.

@@ -11,10 +11,11 @@ mod work_precision;
 
 use self::output::{Format, Output};
 use super::count;
+use super::files::Outputs;
+use crate::method::Failure;
 use crate::on_target::core::Core;
 use crate::on_target::{Bench, Error, day, qemu};
 use clap::{Args, ValueEnum};
-use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -62,9 +63,10 @@ pub struct OnTargetArguments {
 /// At the first core whose firmware does not build or run, or computes other bits than the host.
 pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
     if let Some(file) = &arguments.day {
-        let table = day::table(&day::day()?);
-        return fs::write(file, table)
-            .map_err(|error| Error::File { path: file.clone(), what: error.to_string() });
+        let outputs = Outputs::of_shipped([]);
+        let failed = |failure: Failure| Error::File { path: "--day".into(), what: failure.to_string() };
+        outputs.check("", file).map_err(failed)?;
+        return outputs.write(file, day::table(&day::day()?)).map_err(failed);
     }
     qemu::find()?;
     let limit = Duration::from_secs(arguments.time_limit);

@@ -86,7 +86,9 @@ pub fn run_time() -> String {
 
 /// Seeks the optimum, writes the files, and prints the result.
 pub fn run(arguments: &OptimiseArguments) -> Result<(), Failure> {
-    print(&found(arguments, arguments.scene.format)?)
+    let (text, outputs) = found(arguments, arguments.scene.format)?;
+    print(&text)?;
+    outputs.ended()
 }
 
 /// Seeks the optimum and writes the files. Returns the result as JSON.
@@ -94,10 +96,12 @@ pub fn run(arguments: &OptimiseArguments) -> Result<(), Failure> {
 /// # Errors
 /// [`Failure::Input`] for bad input, [`Failure::Step`] where every run fails or no point keeps the constraints.
 pub fn json(arguments: &OptimiseArguments) -> Result<String, Failure> {
-    found(arguments, Format::Json)
+    let (text, outputs) = found(arguments, Format::Json)?;
+    outputs.ended().map(|()| text)
 }
 
-fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failure> {
+/// The result as text, and the files after they were written.
+fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outputs), Failure> {
     let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
     let options = Options { steady_state: arguments.steady_state, ..*options };
     options.check()?;
@@ -110,7 +114,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
     let outputs = Outputs::of(file, overrides)?;
     let pictures =
         [arguments.output.as_ref().map(|path| path.with_extension("svg")), arguments.picture.clone()];
-    for path in arguments.output.iter().chain(pictures.iter().flatten()) {
+    for path in arguments.output.iter().chain(&pictures[0]) {
         outputs.check("--output", path)?;
     }
     if let Some(path) = &arguments.picture {
@@ -144,17 +148,18 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<String, Failur
     for path in pictures.iter().flatten() {
         let drawn =
             if is_page(path) { page(&found, &request, &title) } else { draw(&found, &request, &title) };
-        outputs.write(path, &drawn.map_err(Failure::Input)?)?;
+        outputs.keep(path, drawn.map_err(Failure::Input)?);
     }
     if let Some(path) = &arguments.output {
         let entries = entries(&found, &request);
-        outputs.write(path, &fitted_scene(file, overrides, &entries, folder(path) != folder(file))?)?;
+        outputs.keep(path, fitted_scene(file, overrides, &entries, folder(path) != folder(file))?);
     }
-    Ok(match format {
+    let text = match format {
         Format::Json => json_text(&found.json(&request))?,
         Format::Csv => text(&short(&found, &request), Format::Csv),
         Format::Table => for_people(&found, &request),
-    })
+    };
+    Ok((text, outputs))
 }
 
 /// Points of the grid for each key.

@@ -50,7 +50,7 @@ pub struct RunArguments {
     seeds: Option<u64>,
 }
 
-/// Runs the scene, writes the trace and prints the outcome; nothing of either if it fails.
+/// Runs the scene, writes picture and trace, and prints the outcome; nothing of them if the run fails.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let mut options = Options {
         trace_every_s: arguments.trace_every,
@@ -96,15 +96,16 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         let title = motion::title(&arguments.scene.scene, &outcome.method, &words);
         let wanted = motion::usual(&scene, &title, &series, every_s);
         let picture = motion::of_file(file, &wanted, &[series])?;
-        outputs.write(file, &picture)?;
+        outputs.keep(file, picture);
     }
     if let (Some(file), Some(recording)) = (&arguments.trace, &outcome.trace) {
-        outputs.write(file, &recording.csv())?;
+        outputs.keep(file, recording.csv());
     }
     for warning in &outcome.warnings {
         tell(&format!("warning: {warning}"));
     }
-    print(&outcome.text(arguments.scene.format))
+    print(&outcome.text(arguments.scene.format))?;
+    outputs.ended()
 }
 
 /// Runs the scene with several seeds and prints the statistics over them.

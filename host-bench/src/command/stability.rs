@@ -81,8 +81,8 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
         Format::Json => json_text(&rows)?,
     })?;
     if has_page {
-        outputs.write(&folder.join(CASES), &csv())?;
-        outputs.write(&folder.join(PAGE), &page(&cases, &rows))?;
+        outputs.write(&folder.join(CASES), csv())?;
+        outputs.write(&folder.join(PAGE), page(&cases, &rows))?;
         note(&format!("report: {}", folder.join(PAGE).display()));
     }
     none_fails(&rows)

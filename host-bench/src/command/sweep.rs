@@ -15,7 +15,7 @@ use serde_json::json;
 
 pub use self::axis::Axis;
 use self::picture::{Quantity, Words};
-use self::rows::Rows;
+use self::rows::{ROWS, Rows};
 use self::shooting::{Compared, compared};
 use self::told::{best, doubt, is_of_accuracy, told_best, warnings};
 use super::files::{Outputs, make_folder};
@@ -96,6 +96,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     let rows = match &arguments.output {
         Some(folder) => {
             make_folder(folder)?;
+            outputs.check("--output", &folder.join(ROWS))?;
             Some(Rows::open(folder, &identity(arguments)?)?)
         }
         None => None,
@@ -128,15 +129,16 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     }
     if let Some(folder) = &arguments.output {
         write(arguments, folder, &outputs, &points)?;
-        if let Some(rows) = rows {
-            rows.remove();
-        }
     }
     print(&match arguments.scene.format {
         Format::Table => table(axes, &points),
         Format::Json => json(axes, &points),
         Format::Csv => csv(axes, &points),
     })?;
+    outputs.ended()?;
+    if let Some(rows) = rows {
+        rows.remove();
+    }
     none_failed(axes, &points)
 }
 
@@ -265,9 +267,11 @@ fn write(
     let picture = picture::draw(words, axes, &quantities).map_err(Failure::Input)?;
     let page = page::page(words, axes, &quantities).map_err(Failure::Input)?;
     make_folder(folder)?;
-    outputs.write(&table, &csv(axes, points))?;
+    outputs.keep(&table, csv(axes, points));
     for (file, text) in [(drawing, picture), (interactive, page)] {
-        text.map_or(Ok(()), |text| outputs.write(&file, &text))?;
+        if let Some(text) = text {
+            outputs.keep(&file, text);
+        }
     }
     Ok(())
 }

@@ -24,7 +24,7 @@ fn number(value: &Value) -> f64 {
 #[test]
 fn the_frequency_of_the_largest_displacement_and_its_range_are_those_of_the_closed_form() {
     let folder = folder("optimise-frequency");
-    let picture = folder.join("best.svg");
+    let picture = folder.join("drawn.svg");
     let best = folder.join("best.toml");
     let range = format!("{FREQUENCY}=17:23");
     let mut arguments = vec![SCENE, "--maximise", "peak_gap_m", "--over", &range, "--grid", "13"];

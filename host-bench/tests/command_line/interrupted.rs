@@ -1,0 +1,263 @@
+//! Commands that are killed, that meet another command at their files, and whose files cannot be written.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use super::tool::{SHIPPED, accepted, file, folder, host_bench, refused};
+
+const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
+const MEASURED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
+const SHORT: [&str; 4] = ["--set", "run.duration_s=0.3", "--set", "run.settle_s=0.2"];
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("a plain path")
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The binary in a folder, with files of at most so many kilobytes: the system kills it at the write that goes beyond.
+fn killed_at(folder: &Path, kilobytes: Option<u64>, arguments: &[&str]) -> Output {
+    let limit = kilobytes.map_or_else(String::new, |most| format!("ulimit -f {most};"));
+    let script = format!("ulimit -c 0; {limit} exec \"$@\"");
+    let mut command = Command::new("bash");
+    command.args(["-c", &script, "bash", env!("CARGO_BIN_EXE_host-bench")]).args(arguments);
+    command.env("RAYON_NUM_THREADS", "1").current_dir(folder).output().expect("bash is there")
+}
+
+/// The files under a folder with their content.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(folder).expect("the folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            found.extend(files(&path).into_iter().map(|(name, content)| (path.join(name), content)));
+        } else {
+            found.insert(path.clone(), fs::read(&path).expect("the file"));
+        }
+    }
+    let below = |(path, content): (PathBuf, _)| {
+        (path.strip_prefix(folder).map(Path::to_owned).unwrap_or(path), content)
+    };
+    found.into_iter().map(below).collect()
+}
+
+/// Kills a command within each of the files that it writes whole, and runs it again until it ends.
+#[cfg(unix)]
+fn kill_at_each_file(name: &str, arguments: &[&str]) {
+    let [whole, killed] = ["whole", "killed"].map(|kind| folder(&format!("{kind}-{name}")));
+    let uninterrupted = killed_at(&whole, None, arguments);
+    assert_eq!(uninterrupted.status.code(), Some(0), "{name}: {}", told(&uninterrupted));
+    let whole = files(&whole);
+    assert!(!whole.is_empty(), "{name} writes no file");
+    let sizes = whole.values().map(|content| content.len() as u64);
+    let limits: BTreeSet<u64> = sizes.flat_map(|size| [0, size / 2048, (size - 1) / 1024]).collect();
+    for limit in &limits {
+        let output = killed_at(&killed, Some(*limit), arguments);
+        assert_eq!(output.status.code(), None, "{name} at {limit} kB: {}", told(&output));
+        let mut left = files(&killed);
+        left.retain(|path, _| !text(path).ends_with(".host-bench.part"));
+        for (path, content) in left {
+            assert!(whole.get(&path) == Some(&content), "{name} at {limit} kB: {path:?}");
+            // As it was before the command.
+            fs::remove_file(killed.join(path)).expect("my own file");
+        }
+    }
+    let last = killed_at(&killed, None, arguments);
+    assert_eq!(last.status.code(), Some(0), "{name}: {}", told(&last));
+    assert!(told(&last).contains("is taken over"), "{name}: {}", told(&last));
+    let killed = files(&killed);
+    assert!(whole.keys().eq(killed.keys()), "{name}: {:?}", killed.keys());
+    assert!(whole == killed, "{name} wrote other bits");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_command_that_is_killed_within_a_file_leaves_no_part_of_it_and_ends_when_it_is_run_again() {
+    let short = |arguments: &[&'static str]| [arguments, &SHORT[..]].concat();
+    let over = "load.resistance_ohm=1e6:1e8:log";
+    let map = ["map", SHIPPED, "--amplitude", "0.5:0.55", "--frequency", "10:10.5", "--places", "30"];
+    let best = ["optimise", SHIPPED, "--maximise", "mean_power_w", "--over", over, "--grid", "3"];
+    let commands: [(&str, Vec<&str>); 9] = [
+        ("run", short(&["run", SHIPPED, "--format", "csv", "--trace", "t.csv", "--trace-every", "1e-2"])),
+        ("plot", short(&["plot", SHIPPED, "--output", "plot.svg"])),
+        ("fit", vec!["fit", MEASURED, "--starts", "0", "--output", "f.toml", "--picture", "page.html"]),
+        ("needs", vec!["needs", SHIPPED, "--emit", "n.rs"]),
+        ("map", [&map[..], &["--error", "0.5", "--output", "m.rs", "--picture", "page.html"]].concat()),
+        ("optimise", [&best[..], &SHORT, &["--output", "o.toml", "--picture", "page.html"]].concat()),
+        ("attractors", short(&["attractors", SHIPPED, "--starts", "4", "--picture", "a.svg"])),
+        ("budget", vec!["budget", NODE, "--learning-days", "0"]),
+        ("new", vec!["new", "contact-separation", "--output", "new.toml"]),
+    ];
+    for (name, arguments) in commands {
+        kill_at_each_file(name, &arguments);
+    }
+    let picture = short(&["run", SHIPPED, "--no-accuracy", "--format", "csv", "--picture", "p.svg"]);
+    kill_at_each_file("picture", &picture);
+}
+
+#[cfg(unix)]
+#[test]
+#[ignore = "nightly: two minutes"]
+fn figures_that_are_killed_within_a_file_leave_no_part_of_it() {
+    kill_at_each_file("figures", &["figures", "--only", "sliding", "--single-start", "--output", "figures"]);
+}
+
+#[test]
+fn a_file_that_another_command_writes_is_refused_and_that_of_one_that_is_gone_is_taken_over() {
+    let folder = folder("locked");
+    let rows = folder.join("rows.csv");
+    let trace = folder.join("trace.csv");
+    let run = [&["run", SHIPPED, "--trace", text(&trace), "--trace-every", "1e-2"], &SHORT[..]].concat();
+    let stability = ["stability", "--random", "1", "--output", text(&rows)];
+    let sweep = ["sweep", SHIPPED, "--over", "load.resistance_ohm=1e6:1e8:2", "--output", text(&folder)];
+    let sweep = [&sweep[..], &SHORT, &["--no-accuracy"]].concat();
+    for (arguments, name) in
+        [(&run[..], "trace.csv"), (&stability[..], "rows.csv"), (&sweep[..], "sweep.rows.jsonl")]
+    {
+        let part = folder.join(format!("{name}.host-bench.part"));
+        let held = File::create(&part).expect("a file");
+        held.try_lock().expect("my own file");
+        refused(arguments, &["--", name, "is being written by another command"]);
+        drop(held);
+        let output = host_bench(arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+        assert!(told(&output).contains(&format!("{name}.host-bench.part: was left")), "{}", told(&output));
+        assert!(!part.exists(), "{name}: the lock is left");
+    }
+}
+
+#[test]
+fn two_outputs_of_a_command_are_two_files() {
+    let folder = folder("same-output");
+    let [drawing, again] = ["x.svg", "../same-output/x.svg"].map(|name| folder.join(name));
+    let scene = file(&folder, "fitted.toml", "");
+    for (arguments, option) in [
+        (
+            vec![
+                "run",
+                SHIPPED,
+                "--trace-every",
+                "1e-3",
+                "--trace",
+                text(&drawing),
+                "--picture",
+                text(&again),
+            ],
+            "--picture",
+        ),
+        (
+            vec![
+                "fit",
+                MEASURED,
+                "--output",
+                text(&drawing.with_extension("toml")),
+                "--picture",
+                text(&drawing),
+            ],
+            "--picture",
+        ),
+        (
+            vec!["fit", MEASURED, "--output", &scene, "--picture", text(&folder.join("fitted.svg"))],
+            "--picture",
+        ),
+        (
+            vec![
+                "map",
+                SHIPPED,
+                "--amplitude",
+                "1:2",
+                "--frequency",
+                "19:20",
+                "--output",
+                text(&folder.join("x.bin")),
+                "--picture",
+                text(&drawing),
+            ],
+            "--picture",
+        ),
+    ] {
+        refused(&arguments, &[option, "must not be the file of another output of this command"]);
+        assert!(!drawing.exists());
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_result_is_printed_where_its_files_cannot_be_written() {
+    let folder = folder("full-disk");
+    let full = |script: &str, arguments: &[&str]| {
+        // A program that ignores the signal of a limit has an error at the write, as on a full disk.
+        let script = format!("trap '' XFSZ; {script}");
+        let mut command = Command::new("bash");
+        command.args(["-c", &script, "bash", env!("CARGO_BIN_EXE_host-bench")]).args(arguments);
+        command.output().expect("bash is there")
+    };
+    let picture = folder.join("run.svg");
+    let run = [&["run", SHIPPED, "--no-accuracy", "--picture", text(&picture)], &SHORT[..]].concat();
+    let output = full("ulimit -f 1; exec \"$@\"", &run);
+    assert_eq!(output.status.code(), Some(2), "{}", told(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("mean_power_w"), "{}", told(&output));
+    assert!(told(&output).contains("run.svg: cannot be written"), "{}", told(&output));
+    assert_eq!(fs::read_dir(&folder).expect("the folder").count(), 0, "nothing is left");
+    let output = full("exec \"$@\" > /dev/full", &["completions", "bash"]);
+    assert_eq!(output.status.code(), Some(2), "{}", told(&output));
+}
+
+/// The modes of a folder do not hold for a superuser; in these none can make a file.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_in_a_folder_in_which_no_file_can_be_made_is_refused() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let own = folder("read-only");
+    fs::set_permissions(&own, fs::Permissions::from_mode(0o555)).expect("my own folder");
+    let mut folders = vec![Path::new("/proc/self")];
+    folders.extend(File::create(own.join("trial")).is_err().then_some(own.as_path()));
+    for folder in folders {
+        for (name, arguments) in [
+            ("x.csv", &["run", SHIPPED, "--trace-every", "1e-3", "--trace"][..]),
+            ("x.rs", &["needs", SHIPPED, "--emit"]),
+            ("x.csv", &["stability", "--random", "1", "--output"]),
+            ("", &["sweep", SHIPPED, "--over", "load.resistance_ohm=1e6:1e8:2", "--output"]),
+        ] {
+            let path = folder.join(name);
+            refused(&[arguments, &[text(&path)]].concat(), &[text(&path), "cannot be written"]);
+        }
+    }
+    let below = Path::new(&file(&folder("below-a-file"), "file", "")).join("x.csv");
+    refused(&["stability", "--random", "1", "--output", text(&below)], &[text(&below), "must be a folder"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_through_a_link_goes_to_where_the_link_leads() {
+    use std::os::unix::fs::symlink;
+
+    let folder = folder("linked");
+    fs::create_dir_all(folder.join("far")).expect("a folder");
+    let link = |name: &str| {
+        let link = folder.join(name);
+        symlink(Path::new("far").join(name), &link).expect("a link");
+        link
+    };
+    let is_link = |path: &Path| fs::symlink_metadata(path).expect("it is there").is_symlink();
+    // A link that leads nowhere is refused.
+    let module = link("n.rs");
+    let needs = ["needs", SHIPPED, "--emit", text(&module)];
+    refused(&needs, &["--emit", "n.rs", "is a link that leads nowhere"]);
+    fs::write(folder.join("far/n.rs"), "old").expect("a file");
+    accepted(&needs);
+    let written = fs::read_to_string(folder.join("far/n.rs")).expect("the module");
+    assert!(is_link(&module) && written.contains("host-bench needs"), "{written}");
+    // The same file by two names.
+    let trace = link("t.svg");
+    fs::write(folder.join("far/t.svg"), "old").expect("a file");
+    let far = folder.join("far/t.svg");
+    let run = ["run", SHIPPED, "--trace-every", "1e-3", "--trace", text(&trace), "--picture", text(&far)];
+    refused(&run, &["--picture", "must not be the file of another output of this command"]);
+    assert_eq!(fs::read_dir(folder.join("far")).expect("the folder").count(), 2, "a lock is left");
+}
