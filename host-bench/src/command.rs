@@ -16,6 +16,7 @@ pub mod optimise;
 pub mod overview;
 pub mod plot;
 pub mod resonance;
+mod rows;
 pub mod run;
 pub mod stability;
 pub mod stop;
@@ -25,8 +26,8 @@ mod watch;
 pub mod work_precision;
 
 use std::io::Write;
-use std::path::PathBuf;
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 pub use self::watch::be_quiet;
@@ -120,7 +121,6 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// A bar on standard error, if that is a terminal.
 /// Reads the value of an option that is a count, within bounds.
 pub(crate) fn count<T: TryFrom<u64>>(
     bounds: RangeInclusive<u64>,
@@ -133,6 +133,7 @@ pub(crate) fn count<T: TryFrom<u64>>(
     }
 }
 
+/// A bar on standard error, if that is a terminal.
 pub(crate) fn progress(count: usize) -> ProgressBar {
     let target = if is_quiet() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(Some(count as u64), target);

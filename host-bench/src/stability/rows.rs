@@ -56,7 +56,8 @@ impl Row {
             by_reference,
             is_chaotic,
             work,
-            reason,
+            // A row is one line.
+            reason: reason.replace(char::is_control, " "),
             arguments: case.arguments(),
             build: build().to_owned(),
         }
@@ -64,6 +65,11 @@ impl Row {
 
     pub(crate) fn heading() -> String {
         csv_line(fields(&Self::default()).into_iter().map(|(name, _)| name))
+    }
+
+    /// Its line of CSV without the line break.
+    pub(crate) fn line(&self) -> String {
+        self.csv().trim_end_matches('\n').to_owned()
     }
 
     pub(crate) fn csv(&self) -> String {

@@ -11,6 +11,16 @@ const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
 const MEASURED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
 const SHORT: [&str; 4] = ["--set", "run.duration_s=0.3", "--set", "run.settle_s=0.2"];
 
+/// A row of a file of rows with its checksum, FNV-1a of 64 bits.
+pub(super) fn with_checksum(row: &str) -> String {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    for byte in row.bytes() {
+        hash ^= u64::from(byte);
+        hash = hash.wrapping_mul(0x0100_0000_01b3);
+    }
+    format!("{row},{hash:016x}")
+}
+
 fn text(path: &Path) -> &str {
     path.to_str().expect("a plain path")
 }
@@ -104,6 +114,57 @@ fn a_command_that_is_killed_within_a_file_leaves_no_part_of_it_and_ends_when_it_
 #[ignore = "nightly: two minutes"]
 fn figures_that_are_killed_within_a_file_leave_no_part_of_it() {
     kill_at_each_file("figures", &["figures", "--only", "sliding", "--single-start", "--output", "figures"]);
+}
+
+/// The rows of CSV without the columns that differ from run to run.
+fn rows(text: &str) -> Vec<Vec<String>> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let heading = reader.headers().expect("a heading").clone();
+    let is_kept = |at: usize| !["processor_s", "checksum_fnv1a"].contains(&&heading[at]);
+    let rows = reader.records().map(|row| row.expect("a row"));
+    let mut rows: Vec<Vec<String>> = rows
+        .map(|row| {
+            row.iter().enumerate().filter(|(at, _)| is_kept(*at)).map(|(_, cell)| cell.to_owned()).collect()
+        })
+        .collect();
+    // Those of stability stand in the order in which they were judged.
+    rows.sort();
+    rows
+}
+
+#[cfg(unix)]
+#[test]
+fn a_command_that_is_killed_at_each_of_its_writes_ends_as_one_that_is_not() {
+    let over = ["sweep", SHIPPED, "--over", "load.resistance_ohm=1e6:1e8:9:log", "--no-accuracy"];
+    let commands: [(&str, Vec<&str>, &str); 2] = [
+        ("sweep", [&over[..], &SHORT, &["--format", "csv", "--output", "."]].concat(), "sweep.csv"),
+        ("stability", vec!["stability", "--random", "8", "--seed", "3", "--output", "rows.csv"], "rows.csv"),
+    ];
+    for (name, arguments, table) in commands {
+        let [whole, killed] = ["whole", "killed"].map(|kind| folder(&format!("{kind}-{name}")));
+        let uninterrupted = killed_at(&whole, None, &arguments);
+        let mut kills = 0;
+        // Each run goes on from the rows of the one before, which is killed within a row.
+        let last = loop {
+            let output = killed_at(&killed, Some(kills + 1), &arguments);
+            assert!(kills < 400, "{name} does not end");
+            // A file that may grow no more ends a command by a signal.
+            if output.status.code().is_some() {
+                break output;
+            }
+            kills += 1;
+        };
+        assert!(kills > 1, "{name} was killed {kills} times");
+        assert_eq!(last.status.code(), uninterrupted.status.code(), "{name}: {}", told(&last));
+        assert!(told(&last).contains("is taken over"), "{name}: {}", told(&last));
+        let [one, other] = [whole, killed].map(|folder| {
+            let entries = fs::read_dir(&folder).expect("the folder");
+            let mut names: Vec<_> = entries.map(|entry| entry.expect("an entry").file_name()).collect();
+            names.sort();
+            (names, rows(&fs::read_to_string(folder.join(table)).expect("the table")))
+        });
+        assert_eq!(one, other, "{name}");
+    }
 }
 
 #[test]
@@ -205,6 +266,12 @@ fn a_result_is_printed_where_its_files_cannot_be_written() {
     assert_eq!(fs::read_dir(&folder).expect("the folder").count(), 0, "nothing is left");
     let output = full("exec \"$@\" > /dev/full", &["completions", "bash"]);
     assert_eq!(output.status.code(), Some(2), "{}", told(&output));
+    // What a full disk left of a file of rows.
+    for left in ["", "number,sc"] {
+        let rows = file(&folder, "rows.csv", left);
+        accepted(&["stability", "--random", "1", "--output", &rows]);
+        assert_eq!(fs::read_to_string(&rows).expect("rows").lines().count(), 2);
+    }
 }
 
 /// The modes of a folder do not hold for a superuser; in these none can make a file.
@@ -253,11 +320,47 @@ fn an_output_through_a_link_goes_to_where_the_link_leads() {
     accepted(&needs);
     let written = fs::read_to_string(folder.join("far/n.rs")).expect("the module");
     assert!(is_link(&module) && written.contains("host-bench needs"), "{written}");
+    // Rows are appended there, and a file that loses a damaged row is replaced there.
+    let rows = link("rows.csv");
+    fs::write(folder.join("far/rows.csv"), "").expect("a file");
+    let stability = ["stability", "--random", "2", "--output", text(&rows)];
+    accepted(&stability);
+    let whole = fs::read_to_string(folder.join("far/rows.csv")).expect("the rows");
+    fs::write(folder.join("far/rows.csv"), &whole[..whole.len() - 9]).expect("the rows");
+    let output = host_bench(&stability);
+    assert!(told(&output).contains("1 damaged rows are left out"), "{}", told(&output));
+    let again = fs::read_to_string(folder.join("far/rows.csv")).expect("the rows");
+    assert!(is_link(&rows) && self::rows(&again) == self::rows(&whole), "{again}");
     // The same file by two names.
     let trace = link("t.svg");
     fs::write(folder.join("far/t.svg"), "old").expect("a file");
     let far = folder.join("far/t.svg");
     let run = ["run", SHIPPED, "--trace-every", "1e-3", "--trace", text(&trace), "--picture", text(&far)];
     refused(&run, &["--picture", "must not be the file of another output of this command"]);
-    assert_eq!(fs::read_dir(folder.join("far")).expect("the folder").count(), 2, "a lock is left");
+    assert_eq!(fs::read_dir(folder.join("far")).expect("the folder").count(), 3, "a lock is left");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn rows_in_what_is_no_file_are_refused_at_once() {
+    let folder = folder("no-file");
+    let pipe = folder.join("sweep.rows.jsonl");
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is there").success());
+    let zero = folder.join("zero.csv");
+    std::os::unix::fs::symlink("/dev/zero", &zero).expect("a link");
+    let sweep = ["sweep", SHIPPED, "--over", "load.resistance_ohm=1e6:1e8:2", "--output", text(&folder)];
+    for arguments in [&sweep[..], &["stability", "--random", "1", "--output", text(&pipe)]] {
+        let mut command = Command::new("timeout");
+        let output = command.arg("20").arg(env!("CARGO_BIN_EXE_host-bench")).args(arguments).output();
+        let output = output.expect("timeout is there");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", told(&output));
+        assert!(
+            told(&output).contains("is a device, a pipe or a socket, must be a file"),
+            "{}",
+            told(&output)
+        );
+    }
+    for path in [text(&zero), "/dev/zero"] {
+        refused(&["stability", "--random", "1", "--output", path], &[path, "is a device"]);
+    }
 }

@@ -196,8 +196,10 @@ fn an_interrupted_sweep_goes_on_from_its_points() {
     let lines: Vec<&str> = stopped.lines().collect();
     assert!(lines.len() > 2, "{stopped}");
     // As the rows were at that time, with a last line that is cut, and a number that no run gives.
-    let marked = lines[1].replacen("\"steps\":", "\"steps\":7000000", 1);
-    assert_ne!(marked, lines[1]);
+    let (row, _) = lines[1].rsplit_once(',').expect("a checksum");
+    let marked = row.replacen("\"steps\":", "\"steps\":7000000", 1);
+    assert_ne!(marked, row);
+    let marked = super::interrupted::with_checksum(&marked);
     std::fs::write(folder.join("sweep.rows.jsonl"), format!("{}\n{marked}\n{{\"point\": 3, \"fie", lines[0]))
         .expect("rows");
     let resumed = accepted(&grid);

@@ -1,15 +1,13 @@
 //! Judges a list of cases on all cores. With a file, the row of a case is appended when the case is judged, and a case
 //! whose row the file has is not run again. A file with rows of another build is refused.
 
-use std::collections::BTreeSet;
-use std::fs::{self, File, OpenOptions};
-use std::io::Write;
+use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
 use super::OUTPUT;
+use crate::command::rows::{Kind, Rows};
 use crate::command::{one_more, progress};
 use crate::method::Failure;
 use crate::stability::{Case, Effort, Row, build};
@@ -23,11 +21,12 @@ pub(super) fn rows(
     effort: impl Fn(usize) -> Effort + Sync,
     output: Option<&Path>,
 ) -> Result<Vec<Row>, Failure> {
-    let mut rows = output.map_or_else(|| Ok(Vec::new()), |path| taken_up(path, cases))?;
-    let file = output.map(Appended::open).transpose()?;
-    let done: BTreeSet<usize> = rows.iter().map(|row| row.number).collect();
+    let (file, done) = match output {
+        Some(path) => taken_up(path, cases).map(|(file, done)| (Some(file), done))?,
+        None => (None, BTreeMap::new()),
+    };
     let left: Vec<(usize, &Case)> =
-        cases.iter().enumerate().filter(|(number, _)| !done.contains(number)).collect();
+        cases.iter().enumerate().filter(|(number, _)| !done.contains_key(number)).collect();
     let bar = progress(left.len());
     let mut groups: Vec<&[(usize, &Case)]> =
         left.chunk_by(|(_, one), (_, other)| one.is_twin_of(other)).collect();
@@ -39,81 +38,50 @@ pub(super) fn rows(
             let number = twins.first().map_or(0, |(number, _)| *number);
             let rows = Row::judged(twins, effort(number));
             rows.iter().for_each(|_| one_more(&bar));
-            file.as_ref().map_or(Ok(()), |file| file.append(&rows))?;
+            file.as_ref().map_or(Ok(()), |file| file.append(rows.iter().map(Row::line)))?;
             Ok(rows)
         })
         .collect();
     bar.finish_and_clear();
-    rows.extend(new?.into_iter().flatten());
+    let mut rows: Vec<Row> = done.into_values().chain(new?.into_iter().flatten()).collect();
     rows.sort_by_key(|row| row.number);
     Ok(rows)
 }
 
-/// The rows of a file that an earlier run began; its last line is removed if it is not whole. A file that is not
-/// there is made, with its heading.
-fn taken_up(path: &Path, cases: &[Case]) -> Result<Vec<Row>, Failure> {
+/// The rows of a file that an earlier run began. A file that is not there is made, with its heading.
+fn taken_up(path: &Path, cases: &[Case]) -> Result<(Rows, BTreeMap<usize, Row>), Failure> {
     let heading = Row::heading();
-    let write = |text: &str| {
-        fs::write(path, text).map_err(|error| refuse(path, format!("cannot be written: {error}")))
+    let kind = Kind {
+        option: OUTPUT,
+        heading: heading.trim_end(),
+        earlier: heading.trim_end(),
+        other: "must be a file of stability, or not be there",
     };
-    if !path.exists() {
-        write(&heading)?;
-        return Ok(Vec::new());
-    }
-    let text = fs::read_to_string(path).map_err(|error| refuse(path, format!("cannot be read: {error}")))?;
-    let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
-    if !whole.starts_with(&heading) {
-        return Err(refuse(path, "must be a file of stability, or not be there".to_owned()));
-    }
-    let rows = Row::read(whole).map_err(|error| refuse(path, error))?;
-    let is_another = |row: &&Row| cases.get(row.number).is_none_or(|case| case.arguments() != row.arguments);
-    if let Some(row) = rows.iter().find(is_another) {
-        return Err(refuse(path, format!("has another case {} than this list of cases", row.number)));
-    }
-    if let Some(row) = rows.iter().find(|row| row.build != build()) {
-        let reason = format!(
-            "has rows of another build ({}, this one is {}): remove it or give another file",
-            row.build,
-            build()
-        );
-        return Err(refuse(path, reason));
-    }
-    if whole.len() < text.len() {
-        write(whole)?;
-    }
-    Ok(rows)
-}
-
-/// A file to which rows are appended.
-struct Appended<'a> {
-    path: &'a Path,
-    file: Mutex<File>,
-}
-
-impl<'a> Appended<'a> {
-    fn open(path: &'a Path) -> Result<Self, Failure> {
-        let file = OpenOptions::new().append(true).open(path);
-        let file = file.map_err(|error| refuse(path, format!("cannot be written: {error}")))?;
-        Ok(Self { path, file: Mutex::new(file) })
-    }
-
-    fn append(&self, rows: &[Row]) -> Result<(), Failure> {
-        let lines: String = rows.iter().map(Row::csv).collect();
-        // A lock is poisoned by a panic while a line is written only.
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        let written = file.write_all(lines.as_bytes());
-        written.map_err(|error| refuse(self.path, format!("cannot be written: {error}")))
-    }
-}
-
-fn refuse(path: &Path, reason: String) -> Failure {
-    Failure::Input(format!("{OUTPUT} {}: {reason}", path.display()))
+    let read = |line: &str| {
+        let row = Row::read(&format!("{heading}{line}\n")).ok()?.pop()?;
+        Some((row.number, row))
+    };
+    Rows::open(path, kind, read, |rows| {
+        let is_another =
+            |row: &&Row| cases.get(row.number).is_none_or(|case| case.arguments() != row.arguments);
+        if let Some(row) = rows.values().find(|row| row.build != build()) {
+            let [other, own] = [row.build.as_str(), build()];
+            let rest = "remove it or give another file";
+            return Err(format!("has rows of another build ({other}, this one is {own}): {rest}"));
+        }
+        match rows.values().find(is_another) {
+            Some(row) => Err(format!("has another case {} than this list of cases", row.number)),
+            None => Ok(()),
+        }
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
-    use crate::stability::draw;
+    use crate::stability::{draw, fnv_1a};
 
     /// Few attempts: most of these cases are given up at once.
     const EFFORT: Effort = Effort { most_attempts: 10, by_reference: false };
@@ -131,18 +99,27 @@ mod tests {
         // The order in the file is that in which the cases were judged.
         let text = fs::read_to_string(&path).expect("is there");
         let (whole, last) = text.trim_end().rsplit_once('\n').expect("has rows");
+        let taken_up = |seed: u64| {
+            let rows = super::taken_up(&path, &cases(seed));
+            rows.map(|(_, rows)| rows.len()).map_err(|error| error.to_string())
+        };
         fs::write(&path, format!("{whole}\n{}", &last[..5])).expect("is writable");
-        assert_eq!(taken_up(&path, &cases(3)).map(|rows| rows.len()), Ok(3));
+        assert_eq!(taken_up(3), Ok(3));
         assert_eq!(fs::read_to_string(&path).expect("is there"), format!("{whole}\n"));
         assert_eq!(rows(&cases(3), |_| EFFORT, Some(&path)), Ok(all));
-        let other = taken_up(&path, &cases(4)).expect_err("other cases").to_string();
-        assert!(other.contains("another case"), "{other}");
-        let of_another = fs::read_to_string(&path).expect("is there").replace(build(), "0.0.9-unknown");
-        fs::write(&path, of_another).expect("is writable");
-        let other = taken_up(&path, &cases(3)).expect_err("another build").to_string();
+        assert!(taken_up(4).is_err_and(|told| told.contains("another case")));
+        let of_another = |line: &str| {
+            let row = line.rsplit_once(',').expect("a checksum").0.replace(build(), "0.0.9-unknown");
+            format!("{row},{:016x}\n", fnv_1a(row.as_bytes()))
+        };
+        let text = fs::read_to_string(&path).expect("is there");
+        let (heading, lines) = text.split_once('\n').expect("a heading");
+        fs::write(&path, format!("{heading}\n{}", lines.lines().map(of_another).collect::<String>()))
+            .expect("is writable");
+        let other = taken_up(3).expect_err("another build");
         assert!(other.contains("rows of another build (0.0.9-unknown, "), "{other}");
         fs::write(&path, "a,b\n1,2\n").expect("is writable");
-        assert!(taken_up(&path, &cases(3)).is_err());
+        assert!(taken_up(3).is_err());
         let _ = fs::remove_file(&path);
     }
 }

@@ -1,56 +1,34 @@
 //! The points of a sweep as they are done: an interrupted sweep goes on from them.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File, OpenOptions};
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::path::Path;
 
 use serde_json::{Value, json};
 
+use crate::command::rows::{self, Kind};
 use crate::method::Failure;
 use crate::outcome::Fields;
 
-/// The file beside the table, one JSON object a line. It is removed when the table is whole.
+/// The file beside the table, one JSON object a line, with its checksum behind it. It is removed when the table is whole.
 pub(super) const ROWS: &str = "sweep.rows.jsonl";
-
-/// Numbers of points with their outcome or error.
-type Known = BTreeMap<usize, Result<Fields, String>>;
 
 /// The points that are done, in a file.
 pub(super) struct Rows {
-    path: PathBuf,
-    file: Mutex<File>,
-    known: Known,
+    file: rows::Rows,
+    known: BTreeMap<usize, Result<Fields, String>>,
 }
 
 impl Rows {
     /// Opens the file in this folder, or makes it. `identity` says which sweep it is of; points of another are refused.
     pub(super) fn open(folder: &Path, identity: &str) -> Result<Self, Failure> {
-        let path = folder.join(ROWS);
-        let refuse = |reason: String| Failure::Input(format!("{}: {reason}", path.display()));
-        let text = match fs::read_to_string(&path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(refuse(format!("cannot be read: {error}"))),
+        let kind = Kind {
+            option: "--output",
+            heading: &json!({ "sweep": identity }).to_string(),
+            earlier: "{\"sweep\":",
+            other: "has the points of another sweep, or of another build; remove it, or give another folder",
         };
-        let mut lines = text.lines();
-        let first = lines.next().and_then(|line| serde_json::from_str::<Value>(line).ok());
-        if !text.is_empty() && first.as_ref().is_none_or(|first| first["sweep"] != identity) {
-            return Err(refuse(
-                "has the points of another sweep, or of another build; remove it, or give another folder"
-                    .to_owned(),
-            ));
-        }
-        // The last line may have been cut.
-        let known: Known = lines.filter_map(point).collect();
-        let whole: String = known.iter().map(|(number, found)| line(*number, found)).collect();
-        let written = fs::write(&path, format!("{}\n{whole}", json!({ "sweep": identity })))
-            .and_then(|()| OpenOptions::new().append(true).open(&path));
-        match written {
-            Ok(file) => Ok(Self { path: path.clone(), file: Mutex::new(file), known }),
-            Err(error) => Err(refuse(format!("cannot be written: {error}"))),
-        }
+        let (file, known) = rows::Rows::open(&folder.join(ROWS), kind, point, |_| Ok(()))?;
+        Ok(Self { file, known })
     }
 
     /// How many points are done.
@@ -65,16 +43,12 @@ impl Rows {
 
     /// Writes a point that is done.
     pub(super) fn add(&self, number: usize, found: &Result<Fields, String>) -> Result<(), Failure> {
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        file.write_all(line(number, found).as_bytes())
-            .and_then(|()| file.flush())
-            .map_err(|error| Failure::Input(format!("{}: cannot be written: {error}", self.path.display())))
+        self.file.append([line(number, found)])
     }
 
     /// Removes the file: the table is whole.
     pub(super) fn remove(self) {
-        // A file that stays is that of this sweep, and does no harm.
-        let _ = fs::remove_file(&self.path);
+        self.file.remove();
     }
 }
 
@@ -84,10 +58,10 @@ fn line(number: usize, found: &Result<Fields, String>) -> String {
         Ok(fields) => json!({ "point": number, "fields": exact(Value::Object(fields.clone())) }),
         Err(error) => json!({ "point": number, "error": error }),
     };
-    format!("{point}\n")
+    point.to_string()
 }
 
-/// The point of a line; `None` if the line is none.
+/// The point of a line; `None` if the line is none, or has no fields.
 fn point(line: &str) -> Option<(usize, Result<Fields, String>)> {
     let value: Value = serde_json::from_str(line).ok()?;
     let number = usize::try_from(value.get("point")?.as_u64()?).ok()?;
@@ -95,7 +69,7 @@ fn point(line: &str) -> Option<(usize, Result<Fields, String>)> {
         return Some((number, Err(error.as_str()?.to_owned())));
     }
     match restored(value.get("fields")?.clone()) {
-        Value::Object(fields) => Some((number, Ok(fields))),
+        Value::Object(fields) if !fields.is_empty() => Some((number, Ok(fields))),
         _ => None,
     }
 }
@@ -147,6 +121,8 @@ mod tests {
         for found in [Ok(fields), Err("stopped at 1 s".to_owned())] {
             assert_eq!(point(&line(7, &found)), Some((7, found)));
         }
-        assert_eq!(point("{\"point\": 3, \"fie"), None);
+        for text in ["{\"point\": 3, \"fie", "{\"point\": 3, \"fields\": {}}"] {
+            assert_eq!(point(text), None, "{text}");
+        }
     }
 }
