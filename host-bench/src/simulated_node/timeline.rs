@@ -152,6 +152,13 @@ fn in_turn([on, off]: [usize; 2], shaking: &Shaking) -> Vec<Shaking> {
     (0..60).map(at).collect()
 }
 
+/// A random acceleration of a spectral density between two points.
+fn noise(points: [[f64; 2]; 2], lines: usize, random: &mut Source) -> Option<Shaking> {
+    let density = SpectralDensity::new(&points).ok()?;
+    let seed = (1e9 * random.uniform(0.0, 1.0)) as u64;
+    Some(AnyExcitation::Random(Random::new(&density, lines as u32, seed).ok()?))
+}
+
 /// The shaking of sixty minutes, from the hour of this index on.
 fn hour(kind: Kind, weather: Weather, index: usize, random: &mut Source) -> Option<Vec<Shaking>> {
     let [[low, high], [first, last]] = kind.shaking();
@@ -164,11 +171,6 @@ fn hour(kind: Kind, weather: Weather, index: usize, random: &mut Source) -> Opti
     };
     let whole =
         |random: &mut Source, least: usize, more: f64| least + (more * random.uniform(0.0, 1.0)) as usize;
-    let noise = |points: [[f64; 2]; 2], lines: usize, random: &mut Source| {
-        let density = SpectralDensity::new(&points).ok()?;
-        let seed = (1e9 * random.uniform(0.0, 1.0)) as u64;
-        Some(AnyExcitation::Random(Random::new(&density, lines as u32, seed).ok()?))
-    };
     let centre = frequency(random);
     Some(match weather {
         Weather::Silence => vec![AnyExcitation::Silence; 60],
