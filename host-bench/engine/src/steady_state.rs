@@ -25,4 +25,5 @@ mod resonance;
 pub use self::newton::{FixedPoint, Linearisation, Map, NotFound};
 pub use self::orbit::{Orbit, Response, Verdict};
 pub use self::period_map::{Coordinates, ForcedSystem, Spent, Total};
+pub(crate) use self::period_map::{MOST_ATTEMPTS, given_up};
 pub use self::resonance::{BestLoad, DEFAULT_POINTS, Peak, Resonance, best_load, resonance};

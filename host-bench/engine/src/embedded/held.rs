@@ -6,7 +6,6 @@
 use model_core::clock::Instant;
 use model_core::energy::{RunMeter, RunReport};
 use model_core::excitation::{Excitation, Sine};
-use model_core::hybrid::StepError;
 use model_core::integrate::ExponentialRadau;
 use model_core::observer::{Observer, PowerIndex};
 use model_core::scalar::{Polynomial, Scalar};
@@ -18,7 +17,7 @@ use super::bump_stop;
 use super::excitation::{HostExcitation, Setting, with_setting};
 use super::run::{BUDGET, refuse_parameter};
 use super::triboelectric::{STATES, Triboelectric, behind_bridge, prepared};
-use crate::steady_state::{Coordinates, ForcedSystem, Spent, Verdict};
+use crate::steady_state::{Coordinates, ForcedSystem, MOST_ATTEMPTS, Spent, Total, Verdict, given_up};
 use harvester_scene::method::{Failure, Method, Options, Precision, refuse_first};
 use harvester_scene::scene_file::{Excitation as SceneExcitation, Load, Model, Scene, Tone};
 
@@ -169,7 +168,7 @@ pub(super) trait Shooting<H: Harvester<f64>> {
         excitation: HostExcitation<'_, f64>,
         frequency_hz: f64,
         periods: &mut f64,
-    ) -> Result<Option<H::State>, StepError<f64>>;
+    ) -> Result<Option<H::State>, Failure>;
 }
 
 /// A harvester whose steady motion is found by its transient alone: a beam, whose many modes each cost a period of the period
@@ -184,7 +183,7 @@ impl<H: Harvester<f64>> Shooting<H> for NoShooting {
         _excitation: HostExcitation<'_, f64>,
         _frequency_hz: f64,
         _periods: &mut f64,
-    ) -> Result<Option<H::State>, StepError<f64>> {
+    ) -> Result<Option<H::State>, Failure> {
         Ok(None)
     }
 }
@@ -203,8 +202,9 @@ impl<H: Coordinates> Shooting<H> for Shoot {
         excitation: HostExcitation<'_, f64>,
         frequency_hz: f64,
         periods: &mut f64,
-    ) -> Result<Option<H::State>, StepError<f64>> {
-        let system = ForcedSystem { harvester, excitation: &excitation, frequency_hz };
+    ) -> Result<Option<H::State>, Failure> {
+        let system =
+            ForcedSystem { harvester, excitation: &excitation, frequency_hz, most_attempts: MOST_ATTEMPTS };
         let mut spent = Spent::default();
         let verdict = system.steady_state(*from, &self.typical, &mut spent);
         *periods += spent.periods;
@@ -264,16 +264,22 @@ impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
     ) -> Result<(), Failure> {
         let until =
             Instant::from_seconds(until_periods / self.frequency_hz).unwrap_or(Instant::from_ticks(u64::MAX));
+        let mut total = Total::default();
         while self.harvester.clock(&self.state) < until {
-            self.harvester
-                .advance(&mut self.state, &excitation, until, BUDGET, observer)
-                .map_err(|error| self.failure(&error))?;
+            if total.attempts() > MOST_ATTEMPTS {
+                return Err(given_up(MOST_ATTEMPTS, self.harvester.clock(&self.state)));
+            }
+            let advance = self.harvester.advance(&mut self.state, &excitation, until, BUDGET, observer);
+            total.add(&advance.map_err(|error| self.failure(Failure::Step(error.to_string())))?.work);
         }
         Ok(())
     }
 
-    fn failure(&self, error: &StepError<f64>) -> Failure {
-        Failure::Step(format!("{error}: at {} Hz", self.frequency_hz))
+    fn failure(&self, failure: Failure) -> Failure {
+        match failure {
+            Failure::Step(error) => Failure::Step(format!("{error}: at {} Hz", self.frequency_hz)),
+            other => other,
+        }
     }
 
     /// The mean power, or charge per second, of a meter.
@@ -298,7 +304,7 @@ impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
             self.frequency_hz,
             &mut self.periods,
         );
-        let Some(on_orbit) = found.map_err(|error| self.failure(&error))? else { return Ok(None) };
+        let Some(on_orbit) = found.map_err(|failure| self.failure(failure))? else { return Ok(None) };
         self.state = on_orbit;
         let mut meter = RunMeter::starting_at(&self.harvester.outputs(&self.state));
         let phase = self.harvester.clock(&self.state).seconds::<f64>() * self.frequency_hz;

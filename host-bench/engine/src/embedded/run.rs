@@ -5,7 +5,6 @@ use std::fmt::Display;
 use cpu_time::ThreadTime;
 use model_core::clock::{Instant, LONGEST_STEP_S};
 use model_core::energy::{Ledger, Residual, RunMeter};
-use model_core::hybrid::StepError;
 use model_core::integrate::{Adaptive, AnyStepControl, FixedStep};
 use model_core::observer::PowerIndex;
 use model_core::scalar::Scalar;
@@ -19,7 +18,7 @@ use super::limits::Compared;
 use super::recorder::Recorder;
 use super::report::{Found, Report};
 use super::{DEFAULT_TOLERANCE, precision_name};
-use crate::steady_state::Total;
+use crate::steady_state::{Total, given_up};
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
 use harvester_scene::outcome::{CreatedEnergy, EnergyFlow, Margins, Outcome, Recording, StoreOutcome};
 use harvester_scene::progress;
@@ -113,6 +112,8 @@ pub(super) fn remainder<S: Scalar>(ledger: &Ledger<S>) -> f64 {
 
 /// Attempts per call, a few hundredths of a second: the progress is reported after each.
 pub(super) const BUDGET: u32 = 1 << 16;
+/// Most attempted steps of a run, where the options have no limit: an hour or more of one core.
+const MOST_ATTEMPTS: u64 = 10_000_000_000;
 
 /// Attempted steps, and radians of the motion that as many must pass: a storage of picofarads in `f32`, whose voltage is
 /// below the roundings of the harvester's, takes steps without end. A right run of a storage in `f32` takes at most 10,000
@@ -219,14 +220,15 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             && precision_name::<S>() == "f32";
         let mut mark = (total.attempts(), harvester.clock(state).seconds::<f64>());
         while harvester.clock(state) < until {
-            let left = options.most_attempts.map_or(u64::MAX, |most| most.saturating_sub(total.attempts()));
+            let most = options.most_attempts.unwrap_or(MOST_ATTEMPTS);
+            let left = most.saturating_sub(total.attempts());
             if left == 0 {
-                return Err(self.step_limit_exceeded(state));
+                return Err(given_up(most, harvester.clock(state)));
             }
             let budget = u32::try_from(left).unwrap_or(BUDGET).min(BUDGET);
             let advance = harvester
                 .advance(state, &excitation, until, budget, observer)
-                .map_err(|error| self.step_failure(&error, state))?;
+                .map_err(|error| self.step_failure(error, state))?;
             total.add(&advance.work);
             let at = harvester.clock(state).seconds::<f64>();
             progress::report(at / scene.run.duration_s, [total.attempts(), total.events]);
@@ -320,15 +322,8 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         }
     }
 
-    /// The end of a run that has taken the most attempts it may.
-    fn step_limit_exceeded(&self, state: &H::State) -> Failure {
-        let most = self.setting.options.most_attempts.unwrap_or(0);
-        let at = self.harvester.clock(state).seconds::<f64>();
-        Failure::StepLimitExceeded(format!("given up after {most} attempted steps at {at} s"))
-    }
-
-    /// The end of a run in a step that cannot be taken.
-    pub(super) fn step_failure(&self, error: &StepError<S>, state: &H::State) -> Failure {
+    /// The end of a run in a step that cannot be taken, with the state.
+    pub(super) fn step_failure(&self, error: impl Display, state: &H::State) -> Failure {
         Failure::Step(format!("{error}: {}", self.report.describe(&self.harvester.outputs(state))))
     }
 }

@@ -18,7 +18,8 @@ use super::excitation::{HostExcitation, Setting, with_setting};
 use super::report::Report;
 use super::run::Run;
 use crate::steady_state::{
-    BestLoad, Coordinates, ForcedSystem, Orbit, Resonance, Response, Spent, Verdict, best_load, resonance,
+    BestLoad, Coordinates, ForcedSystem, MOST_ATTEMPTS, Orbit, Resonance, Response, Spent, Verdict,
+    best_load, resonance,
 };
 use harvester_scene::method::{Failure, Options};
 use harvester_scene::outcome::{Outcome, Particular, SteadyState};
@@ -142,6 +143,7 @@ fn forced<'a, H>(
         harvester,
         excitation: &setting.excitation,
         frequency_hz: setting.scene.excitation.single_frequency().unwrap_or(f64::NAN),
+        most_attempts: setting.options.most_attempts.unwrap_or(MOST_ATTEMPTS),
     }
 }
 
@@ -167,7 +169,7 @@ fn reached<H: Coordinates, R: Report<f64, H>>(
     let began = ThreadTime::now();
     let mut spent = Spent::default();
     let verdict =
-        forced.steady_state(start, typical, &mut spent).map_err(|error| run.step_failure(&error, &start))?;
+        forced.steady_state(start, typical, &mut spent).map_err(|failure| told(run, failure, &start))?;
     let (mut outcome, end) = described(run, start, &verdict, &spent)?;
     outcome.processor_s = began.elapsed().as_secs_f64();
     let motion = match verdict {
@@ -266,6 +268,18 @@ fn described<H: Coordinates, R: Report<f64, H>>(
     Ok((outcome, end))
 }
 
+/// The failure of a search; of a step that cannot be taken, with the state at the start.
+fn told<H: Coordinates, R: Report<f64, H>>(
+    run: &Run<'_, f64, H, R>,
+    failure: Failure,
+    start: &H::State,
+) -> Failure {
+    match failure {
+        Failure::Step(error) => run.step_failure(error, start),
+        other => other,
+    }
+}
+
 /// What to know where the numbers are not those of an orbit.
 fn warning<T>(verdict: &Verdict<T>) -> Option<String> {
     let why = match verdict {
@@ -290,5 +304,5 @@ fn follow<H: Coordinates, R: Report<f64, H>>(
     spent: &mut Spent,
 ) -> Result<Option<Response>, Failure> {
     let found = forced(run.harvester, &run.setting).followed(known, start, typical, spent);
-    found.map_err(|error| run.step_failure(&error, &start))
+    found.map_err(|failure| told(run, failure, &start))
 }

@@ -86,7 +86,7 @@ fn day<S: Scalar, T: Triboelectric>(
         while state.clock < until {
             let advance = simulation
                 .advance(&mut state, &daily, until, BUDGET, &mut observer)
-                .map_err(|error| prepared.run(&simulation).step_failure(&error, &state))?;
+                .map_err(|error| prepared.run(&simulation).step_failure(error, &state))?;
             steps += u64::from(advance.work.steps);
         }
         progress::report(f64::from(end) / f64::from(DAY_S), [steps, 0]);

@@ -3,9 +3,10 @@
 use model_core::clock::Instant;
 use model_core::energy::{RunMeter, RunReport};
 use model_core::excitation::Excitation;
-use model_core::hybrid::StepError;
 use model_core::observer::PowerIndex;
 use nalgebra::Complex;
+
+use harvester_scene::method::Failure;
 
 use super::newton::{Linearisation, Map, NotFound};
 use super::period_map::{Coordinates, ForcedSystem, Spent};
@@ -122,7 +123,8 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
         start: H::State,
         typical: &[f64],
         spent: &mut Spent,
-    ) -> Result<Verdict<H::State>, StepError<f64>> {
+    ) -> Result<Verdict<H::State>, Failure> {
+        self.begin(spent);
         let mut state = start;
         let mut periods = 0;
         let mut verdict = Verdict::NotFound(NotFound { residual: f64::INFINITY });
@@ -157,6 +159,7 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
 
     /// The orbit at this frequency that continues `other`, an orbit at a frequency close by.
     pub fn continued(&self, other: &Orbit<H::State>, spent: &mut Spent) -> Option<Orbit<H::State>> {
+        self.begin(spent);
         let mut pattern = other.start;
         self.harvester.set_clock(&mut pattern, self.instant(other.phase));
         let known = Some(other.linearisation.clone());
@@ -179,7 +182,7 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
         start: H::State,
         typical: &[f64],
         spent: &mut Spent,
-    ) -> Result<Option<Response>, StepError<f64>> {
+    ) -> Result<Option<Response>, Failure> {
         let continued = known.as_ref().and_then(|orbit| self.continued(orbit, spent));
         *known = match continued.filter(Orbit::is_stable) {
             Some(orbit) => Some(orbit),

@@ -2,12 +2,16 @@
 
 use model_core::clock::Instant;
 use model_core::excitation::Excitation;
-use model_core::hybrid::{StepError, Work};
+use model_core::hybrid::Work;
 use model_core::observer::{AcceptedStep, Event, Observer};
 use model_core::scene::Harvester;
 
+use harvester_scene::method::Failure;
+
 /// Attempts per call of a harvester: the counts of a call fit in 32 bits.
 const BUDGET: u32 = 1 << 24;
+/// Most attempted steps of a search for one orbit, where the options have no limit: a period of 10⁶ s has more.
+pub(crate) const MOST_ATTEMPTS: u64 = 50_000_000;
 
 /// A harvester whose state has coordinates, the unknowns of a periodic motion.
 ///
@@ -36,6 +40,8 @@ pub struct ForcedSystem<'a, H, E> {
     pub excitation: &'a E,
     /// Frequency of the sine in Hz.
     pub frequency_hz: f64,
+    /// Most attempted steps of a search for one orbit.
+    pub most_attempts: u64,
 }
 
 /// Work of a whole run: a long one has more steps than fit in 32 bits.
@@ -70,6 +76,8 @@ pub struct Spent {
     /// Simulated periods of the excitation, parts included.
     pub periods: f64,
     pub work: Total,
+    /// Attempted steps at which the search for the present orbit stops.
+    limit: Option<u64>,
 }
 
 impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
@@ -78,18 +86,28 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
         Instant::from_seconds(periods / self.frequency_hz).unwrap_or(Instant::from_ticks(u64::MAX))
     }
 
-    /// Advances `state` to `until`.
+    /// Begins the search for an orbit: from here on it may take its most attempted steps.
+    pub(super) fn begin(&self, spent: &mut Spent) {
+        spent.limit = Some(spent.work.attempts().saturating_add(self.most_attempts));
+    }
+
+    /// Advances `state` to `until`, within the attempts that the search may take.
     pub(super) fn advance<O: Observer<f64>>(
         &self,
         state: &mut H::State,
         until: Instant,
         observer: &mut O,
         spent: &mut Spent,
-    ) -> Result<(), StepError<f64>> {
+    ) -> Result<(), Failure> {
         let from = self.harvester.clock(state);
         while self.harvester.clock(state) < until {
-            let advance = self.harvester.advance(state, self.excitation, until, BUDGET, observer)?;
-            spent.work.add(&advance.work);
+            let left = spent.limit.map_or(u64::MAX, |limit| limit.saturating_sub(spent.work.attempts()));
+            if left == 0 {
+                return Err(given_up(self.most_attempts, self.harvester.clock(state)));
+            }
+            let budget = u32::try_from(left).unwrap_or(BUDGET).min(BUDGET);
+            let advance = self.harvester.advance(state, self.excitation, until, budget, observer);
+            spent.work.add(&advance.map_err(|error| Failure::Step(error.to_string()))?.work);
         }
         let ticks = self.harvester.clock(state).ticks().saturating_sub(from.ticks());
         spent.periods += Instant::from_ticks(ticks).seconds::<f64>() * self.frequency_hz;
@@ -102,7 +120,7 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
         state: &mut H::State,
         until: Instant,
         spent: &mut Spent,
-    ) -> Result<Watch, StepError<f64>> {
+    ) -> Result<Watch, Failure> {
         let mut watch = Watch::new(H::PARTS == 1);
         let from = self.harvester.clock(state).ticks();
         let length = until.ticks().saturating_sub(from);
@@ -138,6 +156,12 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
         self.advance(&mut state, until, observer, spent).ok()?;
         self.harvester.is_like(&state, pattern).then(|| self.harvester.coordinates(&state))
     }
+}
+
+/// The end of a run that has taken the most attempted steps that it may.
+pub(crate) fn given_up(most: u64, at: Instant) -> Failure {
+    let at_s = at.seconds::<f64>();
+    Failure::StepLimitExceeded(format!("given up after {most} attempted steps at {at_s} s"))
 }
 
 /// The smooth stretches of a motion, and the extremes of each coordinate.

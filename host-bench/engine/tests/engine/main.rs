@@ -3,5 +3,6 @@
 mod peaks;
 mod sliding_sizes;
 mod steady_state;
+mod step_limit;
 mod store_in_loop;
 mod whole_day;
