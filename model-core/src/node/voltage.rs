@@ -405,7 +405,7 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
             let uncertain = self.uncertainty(&state.hour, state);
             let lasting = 2.0 * self.lasting * state.read;
             let is_noisy = state.variance > Scalar::max(NOISE_PART * uncertain, lasting);
-            if is_noisy && state.repeated + 1 < MOST_READINGS {
+            if is_noisy && state.repeated < MOST_READINGS - 1 {
                 state.repeated += 1;
                 return sleep(0, true);
             }

@@ -308,6 +308,19 @@ fn a_glitch_is_refused_and_a_lasting_change_is_taken_after_a_second_reading() {
 }
 
 #[test]
+fn an_image_with_the_largest_count_of_readings_in_turn_closes_its_hour() {
+    let mut tank = Tank::new(NOT, |_| 10e-6);
+    let mut state = IDLE.start(0);
+    tank.run(&IDLE, &mut state, 24 * 3600 - 200);
+    for hour in 24..48 {
+        tank.run(&IDLE, &mut state, hour * 3600 - 200);
+        state.repeated = u32::MAX;
+        tank.run(&IDLE, &mut state, hour * 3600 + 200);
+        assert_eq!(state.repeated, 0);
+    }
+}
+
+#[test]
 fn parameters_are_refused_by_name_and_images_of_other_storages_too() {
     let refused = |change: fn(&mut VoltageParameters<2>)| {
         let mut parameters = STATED;
