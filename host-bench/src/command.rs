@@ -11,6 +11,7 @@ pub mod keys;
 pub mod map;
 pub mod needs;
 pub mod node_strategies;
+pub mod node_years;
 pub mod on_target;
 pub mod optimise;
 pub mod overview;

@@ -6,7 +6,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use host_bench::command::{
     attractors, be_quiet, budget, closed_form, figures, findings, fit, keys, map, needs, node_strategies,
-    on_target, optimise, overview, plot, print, report, resonance, run, stability, stop, sweep,
+    node_years, on_target, optimise, overview, plot, print, report, resonance, run, stability, stop, sweep,
     work_precision,
 };
 use host_bench::method::Failure;
@@ -59,6 +59,8 @@ enum Command {
     New(keys::NewArguments),
     /// Ways by which a node knows its income and decides on its actions: errors, costs, actions beside the most possible
     NodeStrategies(node_strategies::NodeStrategiesArguments),
+    /// Years of a node of either tier: nights, seasons, ageing, clock steps, updates, losses of power
+    NodeYears(node_years::NodeYearsArguments),
     /// The motion of one run or of several as a picture
     #[command(
         after_help = "Run time: that of the runs: below a second each for triboelectric scenes, some seconds for a beam that hits a stop"
@@ -124,6 +126,7 @@ fn main() -> ExitCode {
         Some(Command::Resonance(arguments)) => resonance::run(arguments),
         Some(Command::Run(arguments)) => run::run(arguments),
         Some(Command::NodeStrategies(arguments)) => node_strategies::run(arguments),
+        Some(Command::NodeYears(arguments)) => node_years::run(arguments),
         Some(Command::OnTarget(arguments)) => {
             on_target::run(arguments).map_err(|error| Failure::Input(error.to_string()))
         }

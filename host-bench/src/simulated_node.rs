@@ -22,13 +22,15 @@ mod plant;
 mod settings;
 mod strategy;
 mod timeline;
+mod years;
 
-pub use self::baseline::{Baseline, Rule};
-pub use self::compared::{Came, Errors, Extent, Name, Row, Setup, Storage, rows, timelines};
+pub use self::compared::{Came, Errors, Extent, Name, Row, Setup, Storage, rows};
+pub(crate) use self::compared::{STORAGES, timelines};
 pub use self::harvester::{Kind, Off, Shaking, tone};
 pub use self::oracle::Oracle;
 pub use self::plant::{Hour, Parts, Run, World};
 pub use self::settings::{OneNode, OneState, Settings};
 pub use self::strategy::{Strategy, Tiered};
 pub use self::timeline::{Course, Timeline, Weather};
+pub use self::years::{Quarter, Stress, years};
 pub use crate::stability::random::source::Source;

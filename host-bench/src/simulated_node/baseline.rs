@@ -13,21 +13,21 @@ const WEIGHT: f64 = 0.5;
 
 /// How a baseline knows its income, and when it acts.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Rule {
+pub(super) enum Rule {
     /// The difference of two readings, each five minutes; an action runs when it leaves the reserve.
     Difference,
     /// A. Kansal, J. Hsu, S. Zahedi, M. B. Srivastava, *Power management in energy harvesting sensor networks*, ACM Trans.
     /// Embed. Comput. Syst. 6 (2007): the income of a slot of the day is an exponentially weighted mean of that slot on earlier
     /// days, here of the difference of two readings. The next slot spends what it expects and what is stored above the reserve.
     /// A slot without a day before expects the slot before. Of each slot its mean and the mean square of its errors.
-    Ewma(Box<[Option<[f64; 2]>; SLOTS]>),
+    Ewma(Vec<Option<[f64; 2]>>),
     /// An action each so many seconds, without a reading.
     Fixed(u32),
 }
 
 /// A baseline with its state.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Baseline {
+pub(super) struct Baseline {
     parameters: VoltageParameters<1>,
     rule: Rule,
     second: u32,
@@ -46,9 +46,15 @@ pub struct Baseline {
     hour: Option<IncomeOfTime>,
 }
 
+impl Rule {
+    /// Slots without a day before.
+    pub(super) fn ewma() -> Self {
+        Self::Ewma(vec![None; SLOTS])
+    }
+}
+
 impl Baseline {
-    #[must_use]
-    pub fn new(parameters: VoltageParameters<1>, rule: Rule) -> Self {
+    pub(super) fn new(parameters: VoltageParameters<1>, rule: Rule) -> Self {
         let period = if let Rule::Fixed(period) = rule { period } else { u32::MAX };
         Self {
             parameters,

@@ -46,7 +46,7 @@ const fn capacitor(capacitance: f64) -> Storage {
 }
 
 /// Those of the rows. The supercapacitors leak 0.22 and 0.9 µW at 3 V.
-pub(super) const STORAGES: [Storage; 6] = [
+pub(crate) const STORAGES: [Storage; 6] = [
     capacitor(0.47e-3),
     capacitor(1e-3),
     capacitor(10e-3),
@@ -82,7 +82,7 @@ pub struct Extent {
 ///
 /// # Errors
 /// If a shipped scene cannot be read or stepped.
-pub fn timelines(extent: &Extent) -> Result<Vec<Timeline>, Failure> {
+pub(crate) fn timelines(extent: &Extent) -> Result<Vec<Timeline>, Failure> {
     let mut all = Vec::new();
     for &kind in &extent.kinds {
         for &course in &extent.courses {
@@ -155,8 +155,7 @@ pub struct Setup {
 
 impl Setup {
     /// A node on a timeline.
-    #[must_use]
-    pub fn settings(&self, line: &Timeline) -> Settings {
+    pub(super) fn settings(&self, line: &Timeline) -> Settings {
         let Storage { capacitance, leakage, of_capacitance, .. } = self.storage;
         Settings {
             leakage,
@@ -184,7 +183,7 @@ impl Setup {
             Name::Voltage => world.run(&mut settings.voltage(), |_| {}),
             Name::Map => world.run(&mut settings.map(), |_| {}),
             Name::Difference => world.run(&mut baseline(Rule::Difference), |_| {}),
-            Name::Ewma => world.run(&mut baseline(Rule::Ewma(Box::new([None; 48]))), |_| {}),
+            Name::Ewma => world.run(&mut baseline(Rule::ewma()), |_| {}),
             Name::Fixed => world.run(&mut baseline(Rule::Fixed(period)), |_| {}),
             Name::Oracle => {
                 let seconds = 60 * line.minutes.len();

@@ -24,8 +24,7 @@ pub struct Oracle {
 
 impl Oracle {
     /// Of a plant at its begin over so many seconds, which ends with no less than `end`, or than it has to leave.
-    #[must_use]
-    pub fn new(world: &World<'_>, seconds: usize, end: f64) -> Self {
+    pub(super) fn new(world: &World<'_>, seconds: usize, end: f64) -> Self {
         let [draw, action, leaking] = world.draws();
         let reserve = f64::from(world.parameters.reserve) + world.lock_out();
         Self {

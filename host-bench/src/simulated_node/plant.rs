@@ -8,8 +8,8 @@ use super::settings::{CELL, CONVERTER_NOISE, Settings, UNIT};
 use super::strategy::Strategy;
 
 /// Noise of the sensor in counts RMS, and gravity in m/s², which is on its axis.
-const NOISE_COUNTS: f64 = 3.0;
-const GRAVITY: f64 = 9.806_65;
+pub(super) const NOISE_COUNTS: f64 = 3.0;
+pub(super) const GRAVITY: f64 = 9.806_65;
 
 /// What is true of the plant beside the income, each over what is stated.
 #[derive(Debug, Clone, Copy, PartialEq)]

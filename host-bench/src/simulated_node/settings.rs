@@ -94,8 +94,7 @@ impl Settings {
     }
 
     /// What the node by the voltage alone knows, in the energies of the harvester as it is.
-    #[must_use]
-    pub fn parameters(&self) -> VoltageParameters<1> {
+    pub(super) fn parameters(&self) -> VoltageParameters<1> {
         let small = |energy: f64| (energy / self.scale) as f32;
         let reading = self.cost().reading(node_instructions(self.processor.core).reading);
         let [lock_out_voltage, turn_on_voltage, highest_voltage] = VOLTAGES.map(|voltage| voltage as f32);
@@ -133,13 +132,12 @@ impl Settings {
     ///
     /// # Panics
     /// If the settings are outside the bounds of a node.
-    #[must_use]
-    pub fn voltage(&self) -> Tiered<VoltageNode<1>> {
+    pub(super) fn voltage(&self) -> Tiered<VoltageNode<1>> {
         let node = self.parameters().build().unwrap_or_else(|error| panic!("{error}"));
         let spent = |node: &VoltageNode<1>, state: &VoltageState<1>| {
             f64::from(state.readings()) * f64::from(node.parameters().reading)
         };
-        Tiered::new(node, VoltageState::last_hour, spent)
+        Tiered::new(node, VoltageState::last_hour, VoltageNode::overall, spent)
     }
 
     /// The node with the map of the harvester.
@@ -149,7 +147,9 @@ impl Settings {
     #[must_use]
     pub fn map(&self) -> Tiered<OneNode> {
         let node = self.map_node(self.kind.map()).unwrap_or_else(|error| panic!("{error}"));
-        Tiered::new(node, OneState::last_hour, |node, state| node.spent_on_knowing(state).into())
+        Tiered::new(node, OneState::last_hour, OneNode::overall, |node, state| {
+            node.spent_on_knowing(state).into()
+        })
     }
 
     fn map_node(&self, map: &'static [u8]) -> Result<OneNode, String> {

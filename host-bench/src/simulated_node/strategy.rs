@@ -24,7 +24,9 @@ pub trait Strategy {
 pub struct Tiered<N: Tier> {
     pub node: N,
     pub state: N::State,
-    hour: fn(&N::State) -> Option<IncomeOfTime>,
+    pub(super) hour: fn(&N::State) -> Option<IncomeOfTime>,
+    /// The income since the start.
+    pub(super) overall: fn(&N, &N::State) -> IncomeOfTime,
     spent: fn(&N, &N::State) -> f64,
 }
 
@@ -32,10 +34,11 @@ impl<N: Tier> Tiered<N> {
     pub(super) fn new(
         node: N,
         hour: fn(&N::State) -> Option<IncomeOfTime>,
+        overall: fn(&N, &N::State) -> IncomeOfTime,
         spent: fn(&N, &N::State) -> f64,
     ) -> Self {
         let state = node.start(0);
-        Self { node, state, hour, spent }
+        Self { node, state, hour, overall, spent }
     }
 }
 

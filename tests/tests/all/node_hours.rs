@@ -7,6 +7,7 @@ mod converter;
 mod oracle;
 mod plant;
 mod wavering;
+mod years;
 
 use harvester_scene::market::Processor;
 use host_bench::simulated_node::{
