@@ -64,7 +64,7 @@ const TRUCK_LINES: usize = 60;
 /// One-sided spectral density in g²/Hz of MIL-STD-810, method 514, a truck on highways, vertical axis: even to 40 Hz, then
 /// straight in logarithmic axes to a hundredth at 500 Hz.
 fn truck(frequency: f64) -> f64 {
-    0.015 * if frequency > 40.0 { (frequency / 40.0).powf(-2.0 / 12.5_f64.log10()) } else { 1.0 }
+    0.015 * if frequency > 40.0 { libm::pow(frequency / 40.0, -2.0 / libm::log10(12.5)) } else { 1.0 }
 }
 
 impl Timeline {
@@ -98,7 +98,7 @@ impl Timeline {
             }
             weathers.push(weather);
         }
-        let mut factor = |most: f64| most.powf(2.0 * random.uniform(0.0, 1.0) - 1.0);
+        let mut factor = |most: f64| libm::pow(most, 2.0 * random.uniform(0.0, 1.0) - 1.0);
         let off = if as_designed {
             Off::NONE
         } else {
@@ -163,7 +163,7 @@ fn noise(points: [[f64; 2]; 2], lines: usize, random: &mut Source) -> Option<Sha
 fn hour(kind: Kind, weather: Weather, index: usize, random: &mut Source) -> Option<Vec<Shaking>> {
     let [[low, high], [first, last]] = kind.shaking();
     let [resonance, half] = kind.resonance();
-    let amplitude = low * (high / low).powf(random.uniform(0.0, 1.0));
+    let amplitude = low * libm::pow(high / low, random.uniform(0.0, 1.0));
     // Nearer to the resonance more often.
     let frequency = |random: &mut Source| {
         let part = 0.5 * (random.uniform(0.0, 1.0) + random.uniform(0.0, 1.0));

@@ -3,6 +3,8 @@
 //! The income of an hour is one of a few that the full model yields, each computed once. A node is driven by `Runner`, with an image
 //! after each hour that it tells.
 
+mod quarter;
+
 use harvester_scene::market::Processor;
 use model_core::clock::Instant;
 use model_core::excitation::{Excitation, Sine};
@@ -17,6 +19,7 @@ use super::plant::{GRAVITY, NOISE_COUNTS};
 use super::settings::{CELL, CONVERTER_NOISE, Settings, UNIT};
 use super::strategy::Tiered;
 use crate::method::Failure;
+pub use quarter::{Quarter, Stress};
 
 const HOUR: u64 = 3600;
 const DAY: u64 = 24 * HOUR;
@@ -28,54 +31,6 @@ const MOTIONS: [[f64; 2]; 8] =
 /// Leakage resistance times capacitance of a capacitor in s, and bytes of a slot of memory.
 const LEAKING: f64 = 1e6;
 const SLOT: usize = 2048;
-
-/// What happens to a node beside nights, weekends and seasons.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stress {
-    #[default]
-    None,
-    /// The harvester yields a fifth less at the end.
-    Ageing,
-    /// The clock is set forward or back by up to an hour, each five to seven days.
-    Clock,
-    /// Each thirty days another firmware, with intervals, energies and reserve that differ by a hundredth.
-    Updates,
-    /// Resets and losses of power between images, each few days.
-    PowerLoss,
-    /// The leakage goes by 60 % to either side over the year, which its tolerance allows, the income by a tenth.
-    Temperature,
-}
-
-impl Stress {
-    const ALL: [Self; 6] =
-        [Self::None, Self::Ageing, Self::Clock, Self::Updates, Self::PowerLoss, Self::Temperature];
-}
-
-/// A quarter of a year of a node. Energies in J since the start.
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
-pub struct Quarter {
-    pub tier: &'static str,
-    pub storage: &'static str,
-    pub capacitance_f: f64,
-    pub still_nights: bool,
-    pub stress: Stress,
-    pub quarter: u32,
-    pub hours: u32,
-    /// Share of the hours that were told within their bound.
-    pub inside: f64,
-    pub sum_estimated_j: f64,
-    pub sum_bound_j: f64,
-    pub sum_true_j: f64,
-    /// Spent on knowing over the income of the quarter.
-    pub share: f64,
-    /// Images of its own that were not taken or not read.
-    pub refused_images: u32,
-    /// Hours in which a node that was on did not read its storage.
-    pub frozen_hours: u32,
-    /// Hours of which it told no number.
-    pub not_a_number: u32,
-}
 
 /// What shakes a harvester for years, and what it yields in W.
 struct Machine {
@@ -314,6 +269,25 @@ where
     (gaps.get(kind).copied(), refused)
 }
 
+/// The node anew on its board after a gap, and whether it found no image.
+fn resumed<'n, 's, N: Tier>(
+    runner: Runner<'n, Site<'s>, N>,
+    node: &'n N,
+    gap: Gap,
+    buffer: &mut [u8],
+) -> (Runner<'n, Site<'s>, N>, bool)
+where
+    N::State: Copy,
+{
+    let mut site = runner.into_board();
+    // It was not on in the gap.
+    (site.read, site.burst) = (site.second, None);
+    let clock = site.clock();
+    let mut runner = Runner::new(site, node, clock);
+    let is_refused = runner.resume(buffer, gap).is_err();
+    (runner, is_refused)
+}
+
 /// The quarters of a node that lives on a site, and at times as its next version.
 fn live<N: Tier>(mut quarter: Quarter, nodes: &[Tiered<N>; 2], site: Site<'_>, scale: f64) -> Vec<Quarter>
 where
@@ -343,12 +317,8 @@ where
                 untold += runner.board().income - told;
                 told = runner.board().income;
             }
-            let mut site = runner.into_board();
-            // It was not on in the gap.
-            (site.read, site.burst) = (site.second, None);
-            let clock = site.clock();
-            runner = Runner::new(site, &nodes[version].node, clock);
-            let is_refused = runner.resume(&mut buffer, gap).is_err();
+            let is_refused;
+            (runner, is_refused) = resumed(runner, &nodes[version].node, gap, &mut buffer);
             quarter.refused_images += u32::from(is_refused && last.is_some());
         }
         let hour = (nodes[version].hour)(runner.state());
@@ -356,13 +326,9 @@ where
             continue;
         }
         last = hour;
-        let site = runner.board();
-        let (income, knowing, frozen) = (site.income, site.knowing, site.frozen);
+        let Site { income, knowing, frozen, .. } = *runner.board();
         if let Some(hour) = hour {
-            let off = (f64::from(hour.energy) - (income - told)).abs();
-            quarter.hours += 1;
-            inside += u32::from(off <= f64::from(hour.bound));
-            quarter.not_a_number += u32::from(!(hour.energy + hour.bound).is_finite());
+            inside += u32::from(quarter.count(hour, income - told));
         }
         told = income;
         quarter.refused_images += u32::from(runner.save(&mut buffer).is_err());
@@ -378,8 +344,7 @@ where
                 ..quarter
             });
             (begun, inside, runner.board_mut().frozen) = ([income, knowing], 0, 0);
-            let number = quarter.quarter + 1;
-            quarter = Quarter { quarter: number, hours: 0, refused_images: 0, not_a_number: 0, ..quarter };
+            quarter = quarter.next();
         }
     }
     quarters

@@ -1,0 +1,64 @@
+//! A quarter of a year of a node, and what happens to it.
+
+use model_core::node::IncomeOfTime;
+
+/// What happens to a node beside nights, weekends and seasons.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stress {
+    #[default]
+    None,
+    /// The harvester yields a fifth less at the end.
+    Ageing,
+    /// The clock is set forward or back by up to an hour, each five to seven days.
+    Clock,
+    /// Each thirty days another firmware, with intervals, energies and reserve that differ by a hundredth.
+    Updates,
+    /// Resets and losses of power between images, each few days.
+    PowerLoss,
+    /// The leakage goes by 60 % to either side over the year, which its tolerance allows, the income by a tenth.
+    Temperature,
+}
+
+impl Stress {
+    pub(super) const ALL: [Self; 6] =
+        [Self::None, Self::Ageing, Self::Clock, Self::Updates, Self::PowerLoss, Self::Temperature];
+}
+
+/// A quarter of a year of a node. Energies in J since the start.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+pub struct Quarter {
+    pub tier: &'static str,
+    pub storage: &'static str,
+    pub capacitance_f: f64,
+    pub still_nights: bool,
+    pub stress: Stress,
+    pub quarter: u32,
+    pub hours: u32,
+    /// Share of the hours that were told within their bound.
+    pub inside: f64,
+    pub sum_estimated_j: f64,
+    pub sum_bound_j: f64,
+    pub sum_true_j: f64,
+    /// Spent on knowing over the income of the quarter.
+    pub share: f64,
+    /// Images of its own that were not taken or not read.
+    pub refused_images: u32,
+    /// Hours in which a node that was on did not read its storage.
+    pub frozen_hours: u32,
+    /// Hours of which it told no number.
+    pub not_a_number: u32,
+}
+
+impl Quarter {
+    /// Counts an hour with its true income in J; whether that is within the bound.
+    pub(super) fn count(&mut self, hour: IncomeOfTime, truth: f64) -> bool {
+        self.hours += 1;
+        self.not_a_number += u32::from(!(hour.energy + hour.bound).is_finite());
+        (f64::from(hour.energy) - truth).abs() <= f64::from(hour.bound)
+    }
+
+    pub(super) fn next(self) -> Self {
+        Self { quarter: self.quarter + 1, hours: 0, refused_images: 0, not_a_number: 0, ..self }
+    }
+}
