@@ -1,7 +1,6 @@
 //! `on-target`: what the models cost on a microcontroller.
 
 mod cores;
-mod estimate_energy;
 mod estimators;
 mod node;
 mod output;

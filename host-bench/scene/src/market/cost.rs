@@ -149,11 +149,16 @@ impl CostModel {
     /// the FIFO, and sleeps in between. `None` above the highest known rate of the accelerometer, or where the sleep of a
     /// processor with a gated supply is unknown.
     pub fn burst(&self, samples: u32, rate: f64, instructions: f64, code: Code) -> Option<Cost> {
-        let sensor = &self.accelerometer;
+        let Self { processor, accelerometer, .. } = self;
         let running = self.burst_time(samples, rate);
+        let bits = f64::from(samples) * f64::from(accelerometer.bits_per_sample);
+        let fillings = f64::from(samples.div_ceil(accelerometer.fifo_samples.max(1)));
         let cost = Cost {
-            sensor: sensor.power(rate)? * running,
-            ..self.following(samples, instructions, code, sensor.fifo_samples)
+            computing: processor.computing(instructions, code),
+            sensor: accelerometer.power(rate)? * running,
+            transfer: bits * self.transfer_per_bit.0,
+            wake_up: fillings * processor.wake_up_energy(),
+            waiting: 0.0,
         };
         if self.gate.is_none() {
             return Some(cost);
@@ -168,27 +173,6 @@ impl CostModel {
     /// Time of such a burst in s, without that of its instructions.
     pub fn burst_time(&self, samples: u32, rate: f64) -> f64 {
         f64::from(samples.saturating_add(self.accelerometer.start_up_samples)) / rate
-    }
-
-    /// Energy of `samples` at `rate` in Hz of an accelerometer that always runs, with `instructions` of the kind
-    /// `code` and a wake-up for each sample; the supply is never switched off. `None` above its highest known rate.
-    pub fn follow(&self, samples: u32, rate: f64, instructions: f64, code: Code) -> Option<Cost> {
-        Some(Cost {
-            sensor: self.accelerometer.power(rate)? * (f64::from(samples) / rate),
-            ..self.following(samples, instructions, code, 1)
-        })
-    }
-
-    /// Everything but the sensor, with a wake-up for each `block` of samples.
-    fn following(&self, samples: u32, instructions: f64, code: Code, block: u32) -> Cost {
-        let bits = f64::from(samples) * f64::from(self.accelerometer.bits_per_sample);
-        Cost {
-            computing: self.processor.computing(instructions, code),
-            sensor: 0.0,
-            transfer: bits * self.transfer_per_bit.0,
-            wake_up: f64::from(samples.div_ceil(block.max(1))) * self.processor.wake_up_energy(),
-            waiting: 0.0,
-        }
     }
 }
 

@@ -1,23 +1,16 @@
 //! What an estimate costs for each sample, and a look-up in a response map for each call.
 
-use super::estimate_energy::{self, Estimate};
 use super::output::Output;
 use super::rows::{self, Case, Column, RADAU, Steps};
 use crate::on_target::{Bench, Error};
 use firmware_example::variant::named;
 use firmware_example::workload::{bump_stop, contact_separation, sliding};
-use harvester_scene::market::Code;
 
 const ESTIMATE: Column = ("estimate", |row| row.workload.name.clone());
 const PER_CALL: Column = ("instructions per sample or call", rows::PER_STEP.1);
 const PER_SECOND: Column = ("per second", rows::PER_SECOND.1);
 
-/// The code of an estimate: the bank of lines is a filter, the others follow a trajectory.
-fn code(scene: &str) -> Code {
-    if scene == "strongest-sine" { Code::Filter } else { Code::Trajectory }
-}
-
-/// Measures the estimators of all scenes and the look-up, and prints their cost, in instructions and in energy.
+/// Measures the estimators of all scenes and the look-up, and prints their instructions.
 ///
 /// # Errors
 ///
@@ -43,19 +36,5 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
         "Samples at 400 a second (contact-separation, lines of the band), 367 (sliding) and 3520 (bump-stop).
 A response map is called once a second. Each estimate has the host's bits.";
     output.rows(&found, &columns, 2, note);
-    let sampled = found.iter().filter(|row| row.case.by_sample);
-    let estimates: Vec<Estimate> = sampled.map(|row| Estimate::sampled(row, code(row.case.scene))).collect();
-    estimate_energy::report(bench.core(), &estimates, output);
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_bank_of_lines_is_booked_as_a_filter() {
-        let codes = ["contact-separation", "sliding", "bump-stop", "strongest-sine"].map(code);
-        assert_eq!(codes, [Code::Trajectory, Code::Trajectory, Code::Trajectory, Code::Filter]);
-    }
 }

@@ -4,12 +4,11 @@ use std::time::Duration;
 
 use firmware_example::node::parts::{BURST, RATE};
 use firmware_example::node::{Entry, IMAGE_BYTES, Work};
-use harvester_scene::market::{Accelerometer, Code, CostModel, Processor};
+use harvester_scene::market::{self, Accelerometer, Code, CostModel, Evidence, Processor};
 use model_core::node::IncomeOfTime;
 use serde_json::{Value, json};
 
 use super::announce;
-use super::estimate_energy::{UNCONFIRMED, marked, parts};
 use super::output::Output;
 use crate::on_target::Error;
 use crate::on_target::core::Core;
@@ -288,4 +287,23 @@ and {bursts} bursts in the day. {UNCONFIRMED} marks an energy per cycle that was
         }));
     }
     lines.iter().map(|(part, [.., share])| (part.name, *share)).collect()
+}
+
+const UNCONFIRMED: &str = "*";
+
+/// The processors that have `core`; a Cortex-M0 stands for M0+, which executes the same instructions.
+fn parts(core: Core) -> Vec<Processor> {
+    let kind = match core {
+        Core::M0 => market::Core::M0Plus,
+        Core::M4f => market::Core::M4f,
+        Core::M33 => market::Core::M33,
+        Core::M3 | Core::M7 => return Vec::new(),
+    };
+    Processor::all().iter().filter(|part| part.core == kind).copied().collect()
+}
+
+/// The name of a part, marked if its energy per cycle was not confirmed.
+fn marked(part: &Processor) -> String {
+    let mark = if part.energy_per_cycle_j.1 == Evidence::Confirmed { "" } else { UNCONFIRMED };
+    format!("{}{mark}", part.name)
 }
