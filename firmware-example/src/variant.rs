@@ -35,6 +35,7 @@ variants! {
     sliding::precision,
     bump_stop::bench,
     bump_stop::others,
+    bump_stop::checked,
     bump_stop::precision,
     estimators::all,
     response_map::all,
