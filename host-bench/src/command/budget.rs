@@ -88,6 +88,7 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     };
     let svg = picture::svg(&day)
         .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))?;
+    print(&day.text(&source, arguments.format))?;
     match &arguments.svg {
         Some(file) => outputs.keep(file, &svg),
         None => {
@@ -98,6 +99,5 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
             outputs.keep(&page, picture::page(&day, &source, &svg));
         }
     }
-    print(&day.text(&source, arguments.format))?;
     outputs.ended()
 }

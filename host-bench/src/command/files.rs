@@ -87,9 +87,12 @@ impl Outputs {
             return refuse(&format!("cannot be made: {} must be a folder", above.display()));
         }
         let trial = above.join(".host-bench.trial");
-        let made = File::create(&trial).map(|_| fs::remove_file(&trial));
-        // Another command may have removed it.
-        made.map(|_| ()).or_else(|error| refuse(&format!("cannot be made: {error}")))
+        match File::create_new(&trial) {
+            // Another command may have removed it.
+            Ok(_) => fs::remove_file(&trial).or(Ok(())),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Ok(()),
+            Err(error) => refuse(&format!("cannot be made: {error}")),
+        }
     }
 
     /// Writes a file whole or not at all: to a temporary file beside it, which is then renamed.

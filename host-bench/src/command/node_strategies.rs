@@ -66,11 +66,12 @@ pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
     let bar = progress(216);
     let rows = rows(&extent, &lines, || one_more(&bar));
     bar.finish_and_clear();
+    print_rows(&rows, arguments.format, 3)?;
     if let Some(file) = &arguments.page {
         let plots = picture::plots(arguments.scene.unwrap_or(Kind::ContactSeparation))?;
         outputs.write(file, &if is_page(file) { picture::page(&plots)? } else { picture::svg(&plots)? })?;
     }
-    print_rows(&rows, arguments.format, 3)
+    Ok(())
 }
 
 /// Prints rows of the same keys, of which the first few are words.

@@ -16,8 +16,8 @@ use crate::stability::fnv_1a;
 
 /// Heading of the checksums.
 const CHECKSUM: &str = ",checksum_fnv1a";
-/// Most bytes of a file of rows: a million rows of `stability` have less.
-const MOST: u64 = 1 << 30;
+/// Most bytes of a file of rows: a million rows of `sweep`, with their statements, have less.
+const MOST: u64 = 1 << 32;
 
 /// What a file of rows must be.
 #[derive(Debug, Clone, Copy)]
@@ -123,7 +123,9 @@ fn checked(text: &str) -> Option<&str> {
 fn replace(path: &Path, text: &str) -> io::Result<()> {
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let part = beside(&target, "new");
-    let mut file = File::create(&part)?;
+    // One that a kill has left is of no use, and a link is not followed.
+    drop(fs::remove_file(&part));
+    let mut file = File::create_new(&part)?;
     let old = fs::metadata(&target);
     let allowed = old.map_or(Ok(()), |old| file.set_permissions(old.permissions()));
     let placed = allowed.and_then(|()| file.write_all(text.as_bytes()));

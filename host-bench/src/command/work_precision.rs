@@ -138,10 +138,10 @@ fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<
     let comparisons: Vec<_> = cases.into_iter().map(compared).collect::<Result<_, _>>()?;
     bar.finish_and_clear();
     if let Some(file) = &arguments.csv {
-        outputs.write(file, &peers::csv(&comparisons))?;
+        outputs.keep(file, peers::csv(&comparisons));
     }
     if let Some(file) = &arguments.picture {
-        outputs.write(file, &peers::draw(&comparisons)?)?;
+        outputs.keep(file, peers::draw(&comparisons)?);
     }
     print(&match arguments.format {
         Format::Table => peers::text(&comparisons),
@@ -151,7 +151,8 @@ fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<
                 comparisons.iter().flat_map(|comparison| comparison.methods.iter().flatten()).collect();
             json_text(&rows)?
         }
-    })
+    })?;
+    outputs.ended()
 }
 
 /// One run of the comparison with the peers, which valgrind counts.

@@ -175,7 +175,6 @@ impl Setup {
     }
 
     /// A run of a strategy on a timeline; `period` in s is of `fixed`.
-    #[must_use]
     pub fn run(&self, name: Name, line: &Timeline, seed: u64, period: u32) -> Run {
         let (world, settings) = (self.world(line, seed), self.settings(line));
         let baseline = |rule| Baseline::new(settings.parameters(), rule);
@@ -195,7 +194,6 @@ impl Setup {
     }
 
     /// Runs a strategy on all timelines with each noise.
-    #[must_use]
     pub fn run_all(&self, name: Name, lines: &[Timeline]) -> Came {
         let runs = lines.len() as u32 * self.seeds as u32;
         let mut came = Came { runs, actions_of_oracle: Some(0), ..Came::default() };

@@ -46,7 +46,6 @@ impl Off {
 
 impl Kind {
     /// Resonance and half-bandwidth in Hz.
-    #[must_use]
     pub fn resonance(self) -> [f64; 2] {
         [[20.1325, 0.09625], [18.37313, 0.064306], [245.16, 2.64]][self as usize]
     }
@@ -57,7 +56,6 @@ impl Kind {
     }
 
     /// The response map of the harvester as designed.
-    #[must_use]
     pub fn map(self) -> &'static [u8] {
         match self {
             Self::ContactSeparation => include_bytes!("contact-separation.bin"),
@@ -140,7 +138,6 @@ fn energies<H: Harvester<f64>>(
 }
 
 /// A sine of an amplitude in m/s² and a frequency in Hz; silence without an amplitude.
-#[must_use]
 pub fn tone(amplitude: f64, frequency: f64) -> Shaking {
     Sine::new(amplitude, frequency, 0.3)
         .ok()

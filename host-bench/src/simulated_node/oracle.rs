@@ -50,7 +50,6 @@ impl Oracle {
     /// either. If `gᵢ ≤ sᵢ` for all `i ≤ k`, then at `sₖ₊₁` with `k` actions each, this one has at least the energy of the other, and has
     /// rested for at least as long. The other may act there, so this one may too, as more energy at one time is more energy at all
     /// later ones: `gₖ₊₁ ≤ sₖ₊₁`. By induction each action of the other has one of this schedule.
-    #[must_use]
     pub fn schedule(&self) -> Option<Vec<u32>> {
         // What must be stored before each second, and at the end.
         let mut needed = vec![self.end.max(self.lock_out); self.net.len() + 1];

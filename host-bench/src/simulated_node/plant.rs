@@ -46,7 +46,6 @@ pub struct Hour {
 
 impl Hour {
     /// Whether the truth is within the bound.
-    #[must_use]
     pub fn is_inside(&self) -> bool {
         (self.told - self.truth).abs() <= self.bound
     }
@@ -96,7 +95,6 @@ pub struct World<'a> {
 
 impl<'a> World<'a> {
     /// At 3 V, under the energies in J and the shaking of each minute.
-    #[must_use]
     pub fn new(
         settings: &Settings,
         (minutes, shaking): (&'a [f64], &'a [Shaking]),
@@ -129,7 +127,6 @@ impl<'a> World<'a> {
     }
 
     /// Seconds since the begin.
-    #[must_use]
     pub fn second(&self) -> u32 {
         self.income.len() as u32 - 1
     }
@@ -144,7 +141,6 @@ impl<'a> World<'a> {
     }
 
     /// Energy at the lock-out.
-    #[must_use]
     pub fn lock_out(&self) -> f64 {
         self.at(self.parameters.storage.lock_out_voltage)
     }

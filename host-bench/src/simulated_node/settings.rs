@@ -55,7 +55,6 @@ pub struct Settings {
 
 impl Settings {
     /// A node with an income of 2.9 µW, an action of 0.3 mJ as often as that allows, and a third of its storage as reserve.
-    #[must_use]
     pub fn new(kind: Kind, processor: Processor, capacitance: f64, spread: f64) -> Self {
         let [lock_out, _, highest] = VOLTAGES;
         Self {
@@ -78,7 +77,6 @@ impl Settings {
     }
 
     /// For a harvester that yields these energies in J, minute by minute.
-    #[must_use]
     pub fn scaled(self, minutes: &[f64]) -> Self {
         Self { scale: self.income / (minutes.iter().sum::<f64>() / (60.0 * minutes.len() as f64)), ..self }
     }
@@ -144,7 +142,6 @@ impl Settings {
     ///
     /// # Panics
     /// If the settings are outside the bounds of a node.
-    #[must_use]
     pub fn map(&self) -> Tiered<OneNode> {
         let node = self.map_node(self.kind.map()).unwrap_or_else(|error| panic!("{error}"));
         Tiered::new(node, OneState::last_hour, OneNode::overall, |node, state| {

@@ -37,7 +37,7 @@ pub trait Board {
     /// Carries an action out.
     fn run(&mut self, action: usize);
 
-    /// Copies the front of a slot of non-volatile memory, 0 or 1, to `bytes`: an image, or its head.
+    /// Copies the front of a slot of non-volatile memory, 0 or 1, to `bytes`: an image, or the head of that image.
     fn read_slot(&mut self, slot: usize, bytes: &mut [u8]);
 
     /// Writes `bytes` to the front of a slot of non-volatile memory. A write that is interrupted may leave any bytes.
