@@ -104,7 +104,7 @@ impl Outputs {
             Some(index) => self.claims.borrow_mut().swap_remove(index),
             None => Claim::of(target).map_err(refuse)?,
         };
-        let filled = claim.fill(bytes.as_ref(), replaced.as_ref());
+        let filled = place(&claim.file, bytes.as_ref(), replaced.as_ref(), &claim.part, &claim.target);
         filled.map_err(|error| refuse(format!("cannot be written: {error}")))
     }
 
@@ -204,8 +204,7 @@ impl Claim {
                 _ => {}
             }
             // Its owner may have renamed or removed it before the lock was taken.
-            let own = file.try_clone().and_then(same_file::Handle::from_file).map_err(failed)?;
-            if same_file::Handle::from_path(&part).is_ok_and(|there| there == own) {
+            if is_at(&file, &part).map_err(failed)? {
                 if !made {
                     note(&format!("{}: was left by a command that is gone, is taken over", part.display()));
                 }
@@ -213,30 +212,36 @@ impl Claim {
             }
         }
     }
-
-    /// Writes the file, with the permissions of the one that it replaces, and renames it.
-    fn fill(mut self, bytes: &[u8], replaced: Option<&Metadata>) -> io::Result<()> {
-        self.file.set_len(0)?;
-        self.file.write_all(bytes)?;
-        replaced.map_or(Ok(()), |replaced| self.file.set_permissions(replaced.permissions()))?;
-        place(&self.file, &self.part, &self.target)
-    }
 }
 
 impl Drop for Claim {
     /// Removes the temporary file. After it was renamed there is none, or that of another command.
     fn drop(&mut self) {
-        let own = self.file.try_clone().and_then(same_file::Handle::from_file);
-        let there = same_file::Handle::from_path(&self.part);
-        if matches!((own, there), (Ok(own), Ok(there)) if own == there) {
+        if is_at(&self.file, &self.part).unwrap_or(false) {
             // Nothing is lost if it stays.
             let _ = fs::remove_file(&self.part);
         }
     }
 }
 
-/// Renames a file that was written, so that a failure of the power leaves the old one or the new one.
-pub(super) fn place(file: &File, from: &Path, to: &Path) -> io::Result<()> {
+/// Whether an open file is the one at a path.
+fn is_at(file: &File, path: &Path) -> io::Result<bool> {
+    let own = file.try_clone().and_then(same_file::Handle::from_file)?;
+    Ok(same_file::Handle::from_path(path).is_ok_and(|there| there == own))
+}
+
+/// Fills an open file, with the permissions of the one that it replaces, and renames it, so that a failure of the power leaves
+/// the old one or the new one.
+pub(super) fn place(
+    mut file: &File,
+    bytes: &[u8],
+    replaced: Option<&Metadata>,
+    from: &Path,
+    to: &Path,
+) -> io::Result<()> {
+    file.set_len(0)?;
+    file.write_all(bytes)?;
+    replaced.map_or(Ok(()), |replaced| file.set_permissions(replaced.permissions()))?;
     file.sync_all()?;
     fs::rename(from, to)?;
     // Only some systems open a folder as a file.

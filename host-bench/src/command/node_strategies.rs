@@ -7,11 +7,11 @@ use comfy_table::presets;
 use serde::Serialize;
 
 use super::files::Outputs;
-use super::{json_text, one_more, print, progress};
+use super::{count, json_text, one_more, print, progress};
 use crate::method::Failure;
 use crate::outcome::{Fields, Format, fields, rows_csv, shown, table};
 use crate::report::html::is_page;
-use crate::simulated_node::{Course, Extent, Kind, picture, rows, timelines};
+use crate::simulated_node::{Course, Extent, Kind, ROWS, picture, rows, timelines};
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(
@@ -25,10 +25,10 @@ pub struct NodeStrategiesArguments {
     #[arg(long, value_enum)]
     course: Vec<Course>,
     /// Hours of each timeline, as many of a harvester as designed and of one that is off
-    #[arg(long, value_name = "COUNT", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=240))]
-    hours: u16,
+    #[arg(long, value_name = "COUNT", default_value_t = 4, value_parser = count::<usize>(1..=240))]
+    hours: usize,
     /// Noises of the ADC and true parts with which each timeline is run
-    #[arg(long, value_name = "COUNT", default_value_t = 2, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    #[arg(long, value_name = "COUNT", default_value_t = 2, value_parser = count::<u64>(1..=1000))]
     seeds: u64,
     /// Count hours in which the storage was full too
     #[arg(long)]
@@ -54,7 +54,7 @@ pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
     let extent = Extent {
         kinds: arguments.scene.map_or_else(|| Kind::value_variants().to_vec(), |kind| vec![kind]),
         courses,
-        hours: arguments.hours.into(),
+        hours: arguments.hours,
         seeds: arguments.seeds,
         with_full: arguments.with_full,
     };
@@ -63,7 +63,7 @@ pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
         let text = "--course: must not be truck or walking alone for sliding, whose slider they do not move";
         return Err(Failure::Input(text.to_owned()));
     }
-    let bar = progress(216);
+    let bar = progress(ROWS);
     let rows = rows(&extent, &lines, || one_more(&bar));
     bar.finish_and_clear();
     print_rows(&rows, arguments.format, 3)?;

@@ -1,5 +1,6 @@
 //! `node-years`: years of a node of either tier on all storages.
 
+use super::count;
 use super::node_strategies::print_rows;
 use crate::method::Failure;
 use crate::outcome::Format;
@@ -9,7 +10,7 @@ use crate::simulated_node::{Quarter, STORAGES, years};
 #[command(after_help = "Run time: minutes of CPU for ten years, on all cores")]
 pub struct NodeYearsArguments {
     /// Years
-    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=50))]
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = count::<u32>(1..=50))]
     years: u32,
     /// Output format; the table has of each node the quarter with the fewest hours inside
     #[arg(long, value_enum, default_value_t)]

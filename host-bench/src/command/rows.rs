@@ -125,11 +125,8 @@ fn replace(path: &Path, text: &str) -> io::Result<()> {
     let part = beside(&target, "new");
     // One that a kill has left is of no use, and a link is not followed.
     drop(fs::remove_file(&part));
-    let mut file = File::create_new(&part)?;
-    let old = fs::metadata(&target);
-    let allowed = old.map_or(Ok(()), |old| file.set_permissions(old.permissions()));
-    let placed = allowed.and_then(|()| file.write_all(text.as_bytes()));
-    let placed = placed.and_then(|()| place(&file, &part, &target));
+    let file = File::create_new(&part)?;
+    let placed = place(&file, text.as_bytes(), fs::metadata(&target).ok().as_ref(), &part, &target);
     placed.inspect_err(|_| drop(fs::remove_file(&part)))
 }
 

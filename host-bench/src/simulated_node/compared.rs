@@ -56,6 +56,9 @@ pub(crate) const STORAGES: [Storage; 6] = [
 ];
 /// Relative deviations of the standing power: measured, and by data sheets.
 const SPREADS: [f64; 2] = [0.01, 0.2];
+const PARTS: [&str; 3] = ["nrf52832", "stm32l051", "apollo3"];
+/// Number of [`rows`].
+pub(crate) const ROWS: usize = PARTS.len() * STORAGES.len() * SPREADS.len() * Name::ALL.len();
 /// How far a leakage may be off at most.
 const OF_LEAKAGE: f64 = 0.5;
 /// Standard deviation of the gain of the map of a harvester as designed.
@@ -260,7 +263,7 @@ pub struct Row {
 /// The rows of all strategies, parts and storages on some timelines; `done` is called after each.
 pub fn rows(extent: &Extent, lines: &[Timeline], done: impl Fn()) -> Vec<Row> {
     let mut rows = Vec::new();
-    for processor in ["nrf52832", "stm32l051", "apollo3"].into_iter().filter_map(Processor::named) {
+    for processor in PARTS.into_iter().filter_map(Processor::named) {
         for storage in STORAGES {
             for spread in SPREADS {
                 let setup = Setup { processor, storage, spread, seeds: extent.seeds };

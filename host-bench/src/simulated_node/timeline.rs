@@ -4,6 +4,7 @@ use model_core::excitation::{AnyExcitation, Burst, Random, Sine, SpectralDensity
 
 use super::Source;
 use super::harvester::{Kind, LINES, Off, Shaking, tone};
+use super::plant::GRAVITY;
 use crate::method::Failure;
 
 /// What shakes the harvester in an hour.
@@ -205,9 +206,9 @@ fn hour(kind: Kind, weather: Weather, index: usize, random: &mut Source) -> Opti
             vec![noise([[0.8 * resonance, density], [1.25 * resonance, density]], LINES, random)?; 60]
         }
         Weather::Truck => {
-            let g = 9.806_65;
             // What is near the resonance.
-            let points = [0.93 * resonance, 1.07 * resonance].map(|hertz| [hertz, g * g * truck(hertz)]);
+            let points =
+                [0.93 * resonance, 1.07 * resonance].map(|hertz| [hertz, GRAVITY * GRAVITY * truck(hertz)]);
             let spans = [whole(random, 15, 30.0), whole(random, 3, 15.0)];
             in_turn(spans, &noise(points, TRUCK_LINES, random)?)
         }

@@ -171,10 +171,10 @@ const READINGS: f64 = 12.0;
 fn of_voltage(core: Core, bare: &Bare) -> Vec<(&'static str, f64)> {
     let [_, reading, _] = instructions(bare);
     let share = |part: Processor| {
-        let energy = CostModel::new(part, Accelerometer::all()[0]).reading(reading);
-        (part.name, READINGS * energy / (3600.0 * INCOME))
+        let energy = CostModel::new(part, Accelerometer::named("adxl362")?).reading(reading);
+        Some((part.name, READINGS * energy / (3600.0 * INCOME)))
     };
-    parts(core).into_iter().map(share).collect()
+    parts(core).into_iter().filter_map(share).collect()
 }
 
 /// Instructions of a boot, of a reading in the mean, and of the largest call.

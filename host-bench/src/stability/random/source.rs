@@ -17,7 +17,6 @@ impl Source {
     }
 
     /// The sequence of a seed alone.
-    #[must_use]
     pub fn of_seed(seed: u64) -> Self {
         Self(seed)
     }
