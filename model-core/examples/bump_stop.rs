@@ -2,15 +2,10 @@
 //!
 //! `cargo run --release --example bump_stop`
 
-use model_core::clock::Instant;
-use model_core::energy::{Ledger, RunMeter};
-use model_core::excitation::Sine;
-use model_core::part::load::Resistor;
-use model_core::part::monomorph::Layer;
-use model_core::scene::Harvester;
-use model_core::scene::bump_stop::{Choices, Parameters, ResidualFlexibility, Start, Stepper, Stop};
+use model_core::simulate::bump_stop::{Choices, Parameters, ResidualFlexibility, Start, Stepper, Stop};
+use model_core::simulate::*;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), model_core::Error<f64>> {
     let stop = Stop {
         length: 0.02,            // m
         section: 4e-6,           // m²
@@ -42,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let end = Instant::from_whole_seconds(1);
     harvester.advance(&mut state, &shaking, end, u32::MAX, &mut (&mut meter, &mut ledger))?;
     let report = meter.report();
-    println!("{:.3e} W, {:.3} V RMS", meter.mean_power(), report.rms_voltage.ok_or("not integrated")?);
+    println!("{:.3e} W, {:.3} V RMS", meter.mean_power(), report.rms_voltage.unwrap_or(f64::NAN));
     println!("{} contacts, {:.1} % of the time", report.contacts, 100.0 * report.contact_fraction);
     println!("energy residual {:.1e}", ledger.residual().total().unwrap_or(0.0));
     Ok(())

@@ -6,17 +6,8 @@
 //!
 //! `cargo run --example estimator`
 
-use model_core::energy::estimator::{Interpolation, SampleFormat, Settings};
-use model_core::energy::{Action, BudgetParameters, Estimator, IncomeParameters, StorageParameters};
-use model_core::integrate::{Adaptive, ExponentialRadau};
-use model_core::part::draw::NoDraw;
-use model_core::part::load::OpenCircuit;
-use model_core::part::restitution::ConstantRestitution;
-use model_core::part::storage::{Capacitor, StorageCapacitor};
-use model_core::scene::contact_separation::{Choices, GapField, Parameters};
-use model_core::scene::rectified::{FullBridge, Rectified};
-use model_core::scene::{Harvester, Simulation};
-use model_core::snapshot::{newest_image, save_image};
+use model_core::simulate::contact_separation::{Choices, GapField, Parameters};
+use model_core::{Error, budget::*, estimate::*, simulate::*};
 
 /// A ceramic capacitor behind the bridge, from which the node runs straight.
 const CAPACITANCE: f32 = 22e-6; // F
@@ -29,7 +20,7 @@ fn sample(n: u32) -> i16 {
 }
 
 /// The harvester behind a full bridge. The budget keeps the books of leakage and draw, so that the storage has none here.
-fn harvester() -> Result<impl Harvester<f32>, Box<dyn std::error::Error>> {
+fn harvester() -> Result<impl Harvester<f32>, Error> {
     let restitution = ConstantRestitution { coefficient: 0.75 };
     let scene = Parameters {
         mass: 5e-3_f32,             // kg
@@ -64,7 +55,7 @@ fn settings() -> Settings<f32> {
     }
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), Error> {
     let settings = settings();
     let mut estimator = Estimator::new(harvester()?, settings)?;
     let budget = BudgetParameters {

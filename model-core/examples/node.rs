@@ -1,6 +1,4 @@
 //! A node that knows its income by the voltage of its storage, and by bursts of samples while the storage is full, on a made-up board.
-use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
-use model_core::excitation::LineBank;
 use model_core::node::*;
 
 /// Charge per second into a storage of 1.8 to 4.6 V. Its head has the command that made it.
@@ -10,10 +8,9 @@ pub(crate) mod map;
 
 const RATE: u32 = 100; // samples of the accelerometer in a second
 const UNIT: f32 = 9.806_65e-3; // m/s² of a count
-/// Sections of at most 20 samples, 16 of them in a burst of 3.2 s: bins to 1.25 Hz on each side of the resonance.
-type ThisNode = MapNode<&'static [u16], 20, 16, 1>;
-/// In flash: a damaged map, or a parameter outside its bounds, does not compile.
-pub(crate) static NODE: ThisNode = {
+/// In flash: a damaged map, or a parameter outside its bounds, does not compile. A burst has 16 sections of at most 20
+/// samples, 3.2 s: bins to 1.25 Hz on each side of the resonance.
+pub(crate) static NODE: FlashMapNode<1> = {
     let bank = LineBank::new(RATE as f32, map::RESONANCE_HZ, map::HALF_BANDWIDTH_HZ, UNIT);
     let Ok(bank) = bank else { panic!("the bank of lines") };
     let Ok(node) = MapNode::new(MAP, bank, PARAMETERS) else { panic!("the parameters") };

@@ -1,5 +1,4 @@
 //! A node that knows its income by the voltage of its storage, on a made-up board with an income of 5 µW by day.
-use model_core::energy::{Capacitor, StorageParameters};
 use model_core::node::*;
 
 /// In flash: a parameter outside its bounds does not compile.

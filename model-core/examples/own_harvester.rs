@@ -98,7 +98,7 @@ impl Scene<f32, 3, ALL_POWERS> for Coil {
     }
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), model_core::Error> {
     let coil = Coil { m: 5e-3, c: 0.02, k: 80.0, t: 4.0, l: 1e-2, r: 1e3, travel: 1e-3, e: 0.6 };
     let harvester = Simulation::with_all_powers(coil, TrBdf2, Adaptive::new(1e-3)?);
     let shaking = Sine::<f32>::new(3.0, 20.0, 0.0)?; // m/s², Hz, rad

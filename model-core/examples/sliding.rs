@@ -2,17 +2,12 @@
 //!
 //! `cargo run --release --example sliding`
 
-use model_core::clock::Instant;
-use model_core::energy::{Ledger, RunMeter};
-use model_core::excitation::Sine;
-use model_core::integrate::{Adaptive, ExponentialRadau};
-use model_core::part::load::Resistor;
-use model_core::scene::sliding::{
+use model_core::simulate::sliding::{
     Choices, FieldLateralForce, Parameters, PatchFriction, Start, TransferredCharge,
 };
-use model_core::scene::{Harvester, Simulation};
+use model_core::simulate::*;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), model_core::Error<f64>> {
     let friction =
         PatchFriction { static_active: 0.35, static_inert: 0.25, kinetic_active: 0.30, kinetic_inert: 0.20 };
     let scene = Parameters {
@@ -42,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let end = Instant::from_whole_seconds(10);
     harvester.advance(&mut state, &shaking, end, u32::MAX, &mut (&mut meter, &mut ledger))?;
     let report = meter.report();
-    println!("{:.3e} W, {:.3} V RMS", meter.mean_power(), report.rms_voltage.ok_or("not integrated")?);
+    println!("{:.3e} W, {:.3} V RMS", meter.mean_power(), report.rms_voltage.unwrap_or(f64::NAN));
     println!("{} times stuck, {:.1} % of the time", report.sticks, 100.0 * report.stick_fraction);
     println!("energy residual {:.1e}", ledger.residual().total().unwrap_or(0.0));
     Ok(())

@@ -12,16 +12,10 @@
 //! every core and on the host, so a host test covers the code of the node.
 //!
 //! ```
-//! use model_core::clock::Instant;
-//! use model_core::energy::PowerMeter;
-//! use model_core::excitation::Sine;
-//! use model_core::integrate::{Adaptive, ExponentialRadau};
-//! use model_core::part::load::Resistor;
-//! use model_core::part::restitution::ConstantRestitution;
-//! use model_core::scene::contact_separation::{Choices, Parameters, Start};
-//! use model_core::scene::{Harvester, Simulation};
+//! use model_core::simulate::contact_separation::{Choices, Parameters, Start};
+//! use model_core::simulate::*;
 //!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # fn main() -> Result<(), model_core::Error> {
 //! let scene = Parameters {
 //!     mass: 5e-3,
 //!     stiffness: 80.0,
@@ -43,6 +37,17 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! # What it is for
+//!
+//! | task | module | start with | example |
+//! | --- | --- | --- | --- |
+//! | simulate a harvester | [`simulate`] | [`Simulation`](simulate::Simulation), [`bump_stop::Stepper`](simulate::bump_stop::Stepper) | `sliding`, `bump_stop`, `own_harvester` |
+//! | estimate the power from accelerometer samples | [`estimate`] | [`Estimator`](estimate::Estimator) | `estimator` |
+//! | know the income of a node within µW | [`node`] | [`VoltageNode`](node::VoltageNode), [`FlashMapNode`](node::FlashMapNode) | `node_voltage`, `node` |
+//! | decide which actions a node can run | [`budget`] | [`BudgetParameters`](budget::BudgetParameters) | `estimator` |
+//!
+//! Each module has all names of its task. Every error converts into [`Error`] by `?`.
 //!
 //! # Modules
 //!
@@ -74,6 +79,7 @@ mod any;
 pub mod bounds;
 pub mod clock;
 pub mod energy;
+mod error;
 pub mod excitation;
 pub mod hybrid;
 pub mod integrate;
@@ -84,3 +90,34 @@ pub mod part;
 pub mod scalar;
 pub mod scene;
 pub mod snapshot;
+
+pub use error::Error;
+
+/// Simulates a harvester: scene, load, excitation, method, meters.
+pub mod simulate {
+    pub use crate::clock::Instant;
+    pub use crate::energy::{Ledger, PowerMeter, RunMeter};
+    pub use crate::excitation::{AfterLastSample, Burst, Random, Sampled, Silence, Sine, Sweep, Tones};
+    pub use crate::integrate::{Adaptive, ExponentialRadau, FixedStep, TrBdf2};
+    pub use crate::part::draw::NoDraw;
+    pub use crate::part::load::{OpenCircuit, Resistor};
+    pub use crate::part::monomorph::Layer;
+    pub use crate::part::restitution::ConstantRestitution;
+    pub use crate::part::storage::{Capacitor, StorageCapacitor};
+    pub use crate::scene::rectified::{FullBridge, Rectified};
+    pub use crate::scene::{Harvester, Simulation, bump_stop, contact_separation, sliding};
+}
+
+/// Estimates the harvested power from the samples of an accelerometer, and saves its state.
+pub mod estimate {
+    pub use crate::energy::estimator::{Interpolation, SampleFormat, Settings};
+    pub use crate::energy::{Estimate, Estimator, Uncertainty};
+    pub use crate::snapshot::{newest_image, save_image};
+}
+
+/// Keeps the energy of a storage, forecasts it, and decides which actions a node can run.
+pub mod budget {
+    pub use crate::energy::{
+        Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,
+    };
+}

@@ -31,7 +31,15 @@ pub use parameters::{Converter, Regular};
 pub use tier::{Gap, IncomeOfTime, Progress, StoreReading, Task, Tier, Wake};
 pub use voltage::{Tolerances, VoltageNode, VoltageParameters, VoltageState};
 
+pub use crate::energy::{Capacitor, ResponseMap, StorageParameters};
+pub use crate::excitation::LineBank;
+
 use crate::scalar::Scalar;
+
+/// A [`MapNode`] with its map in flash, and the sizes of most nodes: `ACTIONS` actions, sections of at most `SECTION` samples,
+/// `SECTIONS` of them in a burst.
+pub type FlashMapNode<const ACTIONS: usize, const SECTION: usize = 20, const SECTIONS: usize = 16> =
+    MapNode<&'static [u16], SECTION, SECTIONS, ACTIONS>;
 
 /// Seconds in an hour.
 const HOUR: u32 = 3600;

@@ -34,7 +34,7 @@ pub struct BudgetParameters<S> {
 /// ```
 /// use model_core::energy::{Action, BudgetParameters, Capacitor, IncomeParameters, StorageParameters};
 ///
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # fn main() -> Result<(), model_core::Error> {
 /// let budget = BudgetParameters::<f32> {
 ///     storage: StorageParameters {
 ///         capacitor: Capacitor { capacitance: 470e-6, leakage_resistance: 20e6 },

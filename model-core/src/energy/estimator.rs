@@ -10,7 +10,7 @@
 //! # use model_core::scene::contact_separation::{Choices, Parameters};
 //! # fn fifo(n: u32) -> i16 { (8192.0 + 3277.0 * (core::f64::consts::TAU * f64::from(n) / 20.0).sin()) as i16 }
 //!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # fn main() -> Result<(), model_core::Error> {
 //! # let parameters = Parameters {
 //! #     mass: 5e-3_f32,
 //! #     stiffness: 80.0,

@@ -19,7 +19,7 @@ use crate::scalar::{Scalar, add_increment};
 /// use model_core::integrate::{Adaptive, RungeKutta4};
 /// use model_core::scene::{Harvester, Simulation};
 ///
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # fn main() -> Result<(), model_core::Error> {
 /// # let scene = Parameters {
 /// #     mass: 5e-3_f32,
 /// #     stiffness: 80.0,

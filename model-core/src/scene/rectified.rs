@@ -75,7 +75,7 @@
 //! use model_core::scene::rectified::Rectified;
 //! use model_core::scene::{Harvester, Simulation};
 //!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # fn main() -> Result<(), model_core::Error> {
 //! let harvester = Parameters {
 //!     mass: 5e-3,
 //!     stiffness: 80.0,

@@ -38,7 +38,7 @@ const MOST_CATCHING_UP: u32 = 128;
 /// # use model_core::part::{load::Resistor, monomorph::Layer};
 /// # use model_core::scene::Harvester;
 /// # use model_core::scene::bump_stop::{Checked, Choices, Parameters, ResidualFlexibility, Stepper, Stop};
-/// # fn main() -> Result<(), Box<dyn core::error::Error>> {
+/// # fn main() -> Result<(), model_core::Error> {
 /// # let parameters = Parameters {
 /// #     beam_length: 50e-3_f32,
 /// #     beam_width: 10e-3,
@@ -67,7 +67,7 @@ const MOST_CATCHING_UP: u32 = 128;
 ///     let mut state = harvester.start(&Default::default(), &excitation)?;
 ///     let mut meter = PowerMeter::new();
 ///     harvester.advance(&mut state, &excitation, Instant::from_whole_seconds(2), u32::MAX, &mut meter)?;
-///     let error = harvester.checked_error(&state).ok_or("not checked")?;
+///     let Some(error) = harvester.checked_error(&state) else { continue };
 ///     if error.relative < 2e-3 {
 ///         break;
 ///     }
