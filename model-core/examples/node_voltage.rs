@@ -25,42 +25,39 @@ const PARAMETERS: VoltageParameters<2> = VoltageParameters {
     actions: [Regular { energy: 300e-6, every: 60 }, Regular { energy: 5e-3, every: 600 }], // J at the load, s
 };
 
-struct Bench {
-    second: u32,
-    stored: f64,
-    slots: [[u8; 512]; 2],
-}
+/// Clock in s, stored energy in J, two slots of memory.
+struct Bench(u32, f64, [[u8; 512]; 2]);
 
 impl Board for Bench {
     fn sleep(&mut self, seconds: u32, _: u32) -> u32 {
-        let power = if self.second % 86_400 < 43_200 { 5e-6 } else { 0.0 };
-        self.stored += f64::from(seconds) * (power - 0.6e-6 / 0.9 - self.stored / 500e3);
-        self.second += seconds;
-        self.second
+        let power = if self.0 % 86_400 < 43_200 { 5e-6 } else { 0.0 };
+        self.1 += f64::from(seconds) * (power - 0.6e-6 / 0.9 - self.1 / 500e3);
+        self.0 += seconds;
+        self.0
     }
     fn storage_code(&mut self) -> Option<u32> {
-        Some(((200.0 * self.stored).sqrt() / 5.0 * 4096.0).round() as u32)
+        Some(((200.0 * self.1).sqrt() / 5.0 * 4096.0).round() as u32)
     }
     fn run(&mut self, action: usize) {
-        self.stored -= [300e-6, 5e-3][action] / 0.9;
+        self.1 -= [300e-6, 5e-3][action] / 0.9;
     }
     fn read_slot(&mut self, slot: usize, bytes: &mut [u8]) {
-        bytes.copy_from_slice(&self.slots[slot][..bytes.len()]);
+        bytes.copy_from_slice(&self.2[slot][..bytes.len()]);
     }
     fn write_slot(&mut self, slot: usize, bytes: &[u8]) -> Result<(), Fault> {
-        self.slots[slot][..bytes.len()].copy_from_slice(bytes);
+        self.2[slot][..bytes.len()].copy_from_slice(bytes);
         Ok(())
     }
 }
 
 fn main() {
-    let (mut hour, bench) = (None, Bench { second: 0, stored: 60e-3, slots: [[0xFF; 512]; 2] });
+    let (mut hour, bench) = (None, Bench(0, 60e-3, [[0xFF; 512]; 2]));
     let mut runner = Runner::new(bench, &NODE, 0);
-    while runner.board().second <= 86_400 {
+    while runner.board().0 <= 86_400 {
         runner.step();
         if runner.is_idle() && runner.state().last_hour() != hour {
             hour = runner.state().last_hour();
-            println!("{:5} s: {hour:?}", runner.board().second);
+            println!("{:5} s: {hour:?}", runner.board().0);
             let _ = runner.save(&mut [0; 512]); // an error of the memory
         }
     }
