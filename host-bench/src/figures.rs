@@ -2,17 +2,16 @@
 
 pub mod bump_stop;
 mod contact_separation;
-mod page;
-mod sliding;
-
-pub use self::page::page;
+pub(crate) mod sliding;
 
 use rayon::prelude::*;
 
 use crate::attractors::elsewhere;
 use crate::method::{Failure, Options};
 use crate::outcome::name;
-use crate::report::plot::{self, Plot};
+use crate::report::chart::Chart;
+use crate::report::draw;
+use crate::report::page::{Page, escaped};
 use crate::report::setting::margin;
 use crate::run::run_scene;
 use crate::scene_file::{self, Excitation, Scene, Tone};
@@ -32,13 +31,26 @@ pub enum Subject {
 pub struct Panel {
     /// Name of its file without the ending.
     pub name: String,
-    pub svg: String,
+    width: u32,
+    charts: Vec<Chart>,
 }
 
 impl Panel {
-    /// Plots one above the other.
-    fn new(name: impl Into<String>, size: (u32, u32), plots: &[Plot]) -> Result<Self, String> {
-        Ok(Self { name: name.into(), svg: plot::draw(size, plots)? })
+    /// Charts one above the other, equally high.
+    fn new(
+        name: impl Into<String>,
+        (width, height): (u32, u32),
+        charts: impl IntoIterator<Item = Chart>,
+    ) -> Self {
+        let mut charts: Vec<Chart> = charts.into_iter().collect();
+        let height = height / charts.len() as u32;
+        charts.iter_mut().for_each(|chart| chart.height = height);
+        Self { name: name.into(), width, charts }
+    }
+
+    /// The picture as SVG text.
+    pub fn svg(&self) -> Result<String, Failure> {
+        draw(self.width, "", &self.charts, None).map_err(Failure::Input)
     }
 }
 
@@ -150,4 +162,27 @@ fn sine(scene: &Scene) -> Result<&Tone, Failure> {
 /// Headings before rows.
 fn table<const N: usize>(headings: [&str; N], rows: impl Iterator<Item = [String; N]>) -> Vec<Vec<String>> {
     std::iter::once(headings.map(str::to_owned)).chain(rows).map(Vec::from).collect()
+}
+
+/// The page of a chapter; pictures are in it, numbers in files beside it.
+pub fn page(chapter: &Chapter) -> Result<String, Failure> {
+    let mut page = Page::new(chapter.title);
+    page.add(&chapter.introduction);
+    for figure in &chapter.figures {
+        let panel = |panel: &Panel| Ok(format!("<figure>{}</figure>\n", panel.svg()?.trim_end()));
+        let panels = figure.panels.iter().map(panel).collect::<Result<String, Failure>>()?;
+        page.add(&format!(
+            "<h2>{}. {}</h2>\n<div class=\"panels\">\n{}</div>\n<p>{}</p>\n",
+            figure.label,
+            escaped(figure.title),
+            panels,
+            escaped(&figure.caption)
+        ));
+        page.table_of(&figure.table, 0);
+        let links = figure.panels.iter().map(|panel| format!("{}.svg", panel.name));
+        let files = std::iter::once(format!("{}.csv", figure.stem())).chain(links);
+        let links: Vec<String> = files.map(|file| format!("<a href=\"{file}\">{file}</a>")).collect();
+        page.add(&format!("<p class=\"note\">{}</p>\n", links.join(" · ")));
+    }
+    Ok(page.html())
 }

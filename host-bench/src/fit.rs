@@ -25,7 +25,7 @@ use self::described::described;
 pub(crate) use self::fitted::{Entry, fitted_scene};
 use self::free::Asked;
 use self::model::{Interpolation, Problem};
-pub(crate) use self::picture::{draw, page};
+pub(crate) use self::picture::picture;
 pub(crate) use self::result::{Found, text};
 use self::solve::{Loss, Solved, cost, solve};
 use self::weights::{Weighting, Weights};

@@ -12,7 +12,6 @@ mod emit;
 mod fit;
 mod image;
 mod inputs;
-mod page;
 mod picture;
 mod places;
 #[cfg(test)]
@@ -26,8 +25,8 @@ pub use self::column::Column;
 pub use self::emit::{bytes, module};
 pub use self::image::Image;
 pub use self::inputs::{Heard, KINDS, Kind, Said, heard};
-pub use self::page::page;
-pub use self::picture::{best, draw};
+pub use self::picture::drawn;
+pub(crate) use self::picture::{best, picture};
 pub use self::places::{Place, Truth};
 
 use self::agreement::{bounds, judge, margin};

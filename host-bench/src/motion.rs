@@ -1,23 +1,20 @@
 //! Pictures of the motion of runs: time histories, phase portrait, spectrum, energy flow; several runs compared.
 
 mod energy;
-mod page;
 mod series;
-mod spectrum;
 
 use std::path::Path;
 
 use plotters::style::RGBColor;
 
-pub(crate) use self::page::page;
 pub(crate) use self::series::{Series, quantity};
 
 use crate::method::Failure;
 use crate::name::Name;
-use crate::report::html::is_page;
-use crate::report::plot::{self, Axis, Curve, Mark, Plot, height};
+use crate::report::Picture;
+use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::setting::prefix;
-use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, together};
+use crate::report::svg::{BLACK, COLOURS, range};
 use crate::scene_file::{Excitation, Scene, Tone};
 
 /// What a picture shows.
@@ -60,11 +57,10 @@ pub(crate) struct Wanted<'a> {
     pub(crate) logarithmic: &'a [LogAxis],
 }
 
-const COLOURS: [RGBColor; 6] = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, BLACK];
-/// Width of the picture, height of a time history, and size of a portrait or a spectrum.
+/// Width of the picture, and heights of a time history and of a portrait or a spectrum.
 const WIDTH: u32 = 1120;
 const STRIP: u32 = 230;
-const PANEL: (u32, u32) = (560, 430);
+const PANEL: u32 = 430;
 /// Periods of the excitation that a time history shows, and rows in it.
 const SHOWN_PERIODS: f64 = 6.0;
 const SHOWN_ROWS: f64 = 3000.0;
@@ -164,54 +160,22 @@ pub(crate) fn title(file: &Path, method: &str, setting: &str) -> String {
     format!("{name}, {method}: {setting}")
 }
 
-fn fault(reason: String) -> Failure {
-    Failure::Input(format!("the picture cannot be drawn: {reason}"))
-}
-
-/// What goes into a file of this name: a page if it ends so, else a picture.
-pub(crate) fn of_file(file: &Path, wanted: &Wanted<'_>, series: &[Series]) -> Result<String, Failure> {
-    if is_page(file) { page(wanted, series) } else { draw(wanted, series) }
-}
-
-/// The picture as SVG text.
-pub(crate) fn draw(wanted: &Wanted<'_>, series: &[Series]) -> Result<String, Failure> {
+/// The picture.
+pub(crate) fn picture(wanted: &Wanted<'_>, series: &[Series]) -> Result<Picture, Failure> {
     let has = |view: View| wanted.views.contains(&view);
-    let mut parts: Vec<(u32, u32, String)> = Vec::new();
-    let mut below = 0;
+    let mut charts: Vec<Chart> = Vec::new();
     if has(View::History) {
-        let plots: Vec<Plot> = wanted
-            .quantities
-            .iter()
-            .enumerate()
-            .map(|(index, name)| history(wanted, series, name, index == 0))
-            .collect();
-        let size = (WIDTH, STRIP * u32::try_from(plots.len()).unwrap_or(1));
-        parts.push((0, below, plot::draw(size, &plots).map_err(fault)?));
-        below += size.1;
+        let quantities = wanted.quantities.iter().enumerate();
+        charts.extend(quantities.map(|(index, name)| history(wanted, series, name, index == 0)));
     }
-    let panels: Vec<Plot> = [
-        has(View::Phase).then(|| phase(wanted, series)).flatten(),
-        has(View::Spectrum).then(|| lines(wanted, series)).flatten(),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    for (panel, left) in panels.iter().zip([0, PANEL.0]) {
-        parts.push((left, below, plot::draw(PANEL, std::slice::from_ref(panel)).map_err(fault)?));
+    charts.extend(has(View::Spectrum).then(|| lines(wanted, series)).flatten());
+    charts.extend(has(View::Phase).then(|| phase(wanted, series)).flatten());
+    let figure = has(View::Energy).then(|| energy::flow(WIDTH, series, COLOURS)).flatten();
+    if charts.is_empty() && figure.is_none() {
+        let reason = "the picture cannot be drawn: no run has what the views show";
+        return Err(Failure::Input(reason.to_owned()));
     }
-    if !panels.is_empty() {
-        below += PANEL.1;
-    }
-    if has(View::Energy)
-        && let Some((height, svg)) = energy::flow(WIDTH, series, COLOURS)
-    {
-        parts.push((0, below, svg));
-        below += height;
-    }
-    if parts.is_empty() {
-        return Err(fault("no run has what the views show".to_owned()));
-    }
-    Ok(together((WIDTH, below), &parts))
+    Ok(Picture { title: wanted.title.to_owned(), width: WIDTH, charts, figure, text: String::new() })
 }
 
 /// Each run with its colour.
@@ -224,8 +188,8 @@ fn named(series: &[Series], one: &Series) -> String {
     if series.len() > 1 { one.name.clone() } else { String::new() }
 }
 
-/// A quantity over time; the first of them has the title, and marks the impacts of a run alone.
-fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) -> Plot {
+/// A quantity over time; the first of them marks the impacts of a run alone.
+fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) -> Chart {
     let [from, to] = wanted.span_s;
     let within = |series: &Series| -> Vec<(f64, f64)> {
         series.over_time(column).into_iter().filter(|(time, _)| (from..=to).contains(time)).collect()
@@ -252,18 +216,13 @@ fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) ->
             curves.push(Curve::new("impact", BLACK, Mark::Dots(6.0), marks));
         }
     }
-    let title = if first { wanted.title.to_owned() } else { String::new() };
     let up = if unit.is_empty() { word } else { format!("{word} [{sign}{unit}]") };
-    Plot {
-        title,
-        across: Axis::linear("time [s]", [from, to], 10),
-        up: Axis::linear(up, height(&curves), 5),
-        curves,
-    }
+    let across = Axis::linear("time [s]", [from, to], 10);
+    Chart::new("", across, Axis::linear(up, FITTING, 5), curves).grouped("time", STRIP)
 }
 
 /// Velocity over position; `None` if no run has both.
-fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Plot> {
+fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let all: Vec<Vec<[f64; 3]>> = series.iter().map(|one| one.portrait(wanted.span_s)).collect();
     let largest = |of: usize| all.iter().flatten().map(|row| row[of]).fold(0.0_f64, |a, b| a.max(b.abs()));
     let [(x_sign, x_factor), (y_sign, y_factor)] = [1, 2].map(|of| prefix(largest(of)));
@@ -273,27 +232,25 @@ fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Plot> {
         .map(|((one, colour), points)| {
             let scaled = points.iter().map(|[_, x, y]| (x_factor * x, y_factor * y));
             let times = points.iter().map(|[time, ..]| format!("time: {time:.6} s")).collect();
-            Curve::new(named(series, one), colour, Mark::Line(1.1), scaled).with_notes(times)
+            Curve { notes: times, ..Curve::new(named(series, one), colour, Mark::Line(1.1), scaled) }
         })
         .collect();
     let points = || curves.iter().flat_map(|curve| &curve.points);
-    let (left, right) = crate::report::svg::range(points().map(|point| point.0));
+    let span = range(points().map(|point| point.0)).into();
     points().next()?;
-    Some(Plot {
-        title: "phase portrait".to_owned(),
-        across: Axis::linear(format!("{} [{x_sign}m]", quantity(column).0), [left, right], 6),
-        up: Axis::linear(format!("velocity [{y_sign}m/s]"), height(&curves), 7),
-        curves,
-    })
+    let across = Axis::linear(format!("{} [{x_sign}m]", quantity(column).0), span, 6);
+    let up = Axis::linear(format!("velocity [{y_sign}m/s]"), FITTING, 7);
+    let chart = Chart::new("phase portrait", across, up, curves);
+    Some(Chart { is_orbit: true, is_half: true, height: PANEL, ..chart })
 }
 
 /// Amplitudes over frequency of the last quantity; `None` without rows in the window.
-fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Plot> {
+fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let column = wanted.quantities.last()?;
     let has = |axis: LogAxis| wanted.logarithmic.contains(&axis);
     let all: Vec<Vec<(f64, f64)>> = series
         .iter()
-        .map(|one| spectrum::amplitudes(&one.over_time(column), wanted.window_s, wanted.highest_hz))
+        .map(|one| series::amplitudes(&one.over_time(column), wanted.window_s, wanted.highest_hz))
         .collect();
     let largest = all.iter().flatten().fold(0.0_f64, |largest, point| largest.max(point.1));
     if !(largest > 0.0) {
@@ -327,7 +284,8 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Plot> {
     } else {
         Axis::linear(name, [0.0, top], 7)
     };
-    Some(Plot { title: "spectrum: amplitude of each line".to_owned(), across, up, curves })
+    let chart = Chart::new("spectrum: amplitude of each line", across, up, curves);
+    Some(Chart { is_half: true, height: PANEL, ..chart })
 }
 
 #[cfg(test)]

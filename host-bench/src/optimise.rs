@@ -1,7 +1,6 @@
 //! The values of a few keys at which a number of the result is largest or smallest: a coarse grid, then a search without
 //! derivatives from its best points.
 
-mod page;
 mod picture;
 mod search;
 
@@ -11,8 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde_json::{Map, Value, json};
 
-pub(crate) use self::page::page;
-pub(crate) use self::picture::draw;
+pub(crate) use self::picture::picture;
 pub(crate) use self::search::{most_runs, optimise};
 use crate::method::{Failure, Options};
 use crate::outcome::{Outcome, fields, flattened, number};

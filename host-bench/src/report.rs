@@ -1,68 +1,107 @@
-//! The report on error against run time: one HTML page with its pictures in it.
+//! The pictures of all commands, each as SVG or as a page, and the report on error against run time.
 
-mod chart;
-pub(crate) mod charts;
-pub(crate) mod colour_bar;
-pub(crate) mod field;
-pub(crate) mod html;
-pub(crate) mod label;
-pub(crate) mod plot;
+pub(crate) mod chart;
+mod draw;
+pub(crate) mod page;
 pub(crate) mod setting;
 pub(crate) mod svg;
 
-use std::fmt::Write;
+use std::path::Path;
 
-use self::charts::{Charts, HINT, Look};
-use self::html::{document, escaped};
-use crate::method::Method;
+use plotters::style::RGBColor;
+
+use self::chart::{Axis, Chart, Curve, Mark};
+pub(crate) use self::draw::draw;
+use self::page::{Page, escaped};
+use crate::method::{Failure, Math, Method, Precision};
 use crate::scene_file::Model;
-use crate::work_precision::Comparison;
 use crate::work_precision::table::resistance;
+use crate::work_precision::triboelectric::method_name;
+use crate::work_precision::{Comparison, Variant};
 
-/// How error against run time stands in its page.
-const CHART: Look<'_> = Look { height: 520, group: None };
+/// What a command shows: charts, drawn as SVG or as a page.
+#[derive(Debug, Default)]
+pub(crate) struct Picture {
+    pub(crate) title: String,
+    /// Of an SVG, in pixels.
+    pub(crate) width: u32,
+    pub(crate) charts: Vec<Chart>,
+    /// An SVG below the charts, with its height.
+    pub(crate) figure: Option<(u32, String)>,
+    /// Plain text below the charts of a page.
+    pub(crate) text: String,
+}
 
-pub(crate) fn page(comparisons: &[Comparison]) -> Result<String, String> {
-    let mut body = String::new();
-    let mut charts = Charts::default();
-    body.push_str("<h1>Vibration energy harvesters: error against run time</h1>\n");
-    body.push_str(
+impl Picture {
+    pub(crate) fn svg(&self) -> Result<String, Failure> {
+        if self.charts.is_empty() && self.figure.is_none() {
+            return Err(Failure::Input("the picture cannot be drawn: there is nothing to show".to_owned()));
+        }
+        draw(self.width, &self.title, &self.charts, self.figure.as_ref())
+            .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))
+    }
+
+    /// The page; without scripts the SVG stands there.
+    pub(crate) fn page(&self) -> Result<String, Failure> {
+        let mut page = Page::new(&self.title);
+        self.charts.iter().for_each(|chart| page.chart(chart));
+        if let Some((_, figure)) = &self.figure {
+            page.add(&format!("<figure>{figure}</figure>\n"));
+        }
+        page.add(&format!("<noscript><figure>{}</figure></noscript>\n", self.svg()?));
+        if !self.text.is_empty() {
+            page.add(&format!("<pre>{}</pre>\n", escaped(&self.text)));
+        }
+        Ok(page.html())
+    }
+
+    /// What goes into a file of this name: the page if it ends so, else the SVG.
+    pub(crate) fn of_file(&self, file: &Path) -> Result<String, Failure> {
+        let is_page = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
+        if is_page { self.page() } else { self.svg() }
+    }
+}
+
+/// The report on error against run time.
+pub(crate) fn report(comparisons: &[Comparison]) -> Result<String, Failure> {
+    let mut page = Page::new("Vibration energy harvesters: error against run time");
+    page.add(
         "<p>The triboelectric harvesters on the embedded core, run on this host, against an independent \
          reference in double precision. Lower and further left is better. In contact-separation the motion \
          hits the dielectric in every period, and the power comes in a spike at each contact; in sliding, \
          friction turns round at every reversal and the overlap has a corner in the middle.</p>\n",
     );
-    body.push_str(HINT);
     for comparison in comparisons {
         let quantity = match comparison.scene.model {
             Model::ContactSeparation(_) | Model::Sliding(_) => {
                 let load = resistance(comparison.scene.load.resistance_ohm());
-                let _ = writeln!(body, "<h2>{}, load: {load}</h2>", escaped(&comparison.file()));
-                let _ = writeln!(body, "<p>{}</p>", escaped(&summary(comparison)));
-                body += &charts.place(&chart::plot(comparison), CHART);
+                let (file, summary) = (escaped(&comparison.file()), escaped(&summary(comparison)));
+                page.add(&format!("<h2>{file}, load: {load}</h2>\n<p>{summary}</p>\n"));
+                let chart = chart(comparison);
+                page.chart(&chart);
                 // Without scripts the picture stands there.
-                let _ = writeln!(body, "<noscript><figure>{}</figure></noscript>", chart::draw(comparison)?);
+                let svg = draw(980, "", &[chart], None).map_err(Failure::Input)?;
+                page.add(&format!("<noscript><figure>{svg}</figure></noscript>\n"));
                 "mean power"
             }
             Model::BumpStop(_) => {
-                body.push_str("<h2>Bump-stop harvester</h2>\n");
-                let _ = writeln!(
-                    body,
-                    "<p>A piezoelectric cantilever that hits a rod, by the core's method (exact modal steps, the \
-                     contact a discrete gradient) beside general methods on the host. {}</p>",
-                    escaped(&comparison.title())
-                );
+                let title = escaped(&comparison.title());
+                page.add(&format!(
+                    "<h2>Bump-stop harvester</h2>\n<p>A piezoelectric cantilever that hits a rod, by the core's method \
+                     (exact modal steps, the contact a discrete gradient) beside general methods on the host. {title}</p>\n"
+                ));
                 "RMS voltage"
             }
         };
-        body.push_str(&html_table(comparison));
+        let rows = comparison.rows.iter().map(|row| {
+            let is_beyond = !comparison.reaches_target(row) && row.variant.method != Method::Reference;
+            (if is_beyond { "beyond" } else { "" }, comparison.cells(row))
+        });
+        page.table(&comparison.kind.headings(), rows, comparison.kind.words);
         let grey = format!("Grey: {quantity} not within {:.0e} of the reference.", comparison.target_error());
-        for note in std::iter::once(grey).chain(comparison.notes()) {
-            let _ = writeln!(body, "<p class=\"note\">{}</p>", escaped(&note));
-        }
+        std::iter::once(grey).chain(comparison.notes()).for_each(|note| page.note(&note));
     }
-    body += &charts.scripts();
-    Ok(document("Error against run time", &body))
+    Ok(page.html())
 }
 
 /// What the picture shows, in the numbers of this run.
@@ -92,21 +131,56 @@ fn summary(comparison: &Comparison) -> String {
     )
 }
 
-fn html_table(comparison: &Comparison) -> String {
-    let class = |index: usize| if index < comparison.kind.words { "" } else { " class=\"number\"" };
-    let mut text = String::from("<div class=\"wide\"><table>\n<thead><tr>");
-    for (index, heading) in comparison.kind.headings().iter().enumerate() {
-        let _ = write!(text, "<th{}>{}</th>", class(index), escaped(heading));
-    }
-    text.push_str("</tr></thead>\n<tbody>\n");
+/// Error against run time: a curve for each method and precision. Rows with other elementary functions than the polynomials,
+/// and rows with an error above 1, are in the table only.
+fn chart(comparison: &Comparison) -> Chart {
+    let mut curves: Vec<Curve> = Vec::new();
     for row in &comparison.rows {
-        let beyond = !comparison.reaches_target(row) && row.variant.method != Method::Reference;
-        text.push_str(if beyond { "<tr class=\"beyond\">" } else { "<tr>" });
-        for (index, cell) in comparison.cells(row).iter().enumerate() {
-            let _ = write!(text, "<td{}>{}</td>", class(index), escaped(cell));
+        let Some(found) = &row.found else { continue };
+        let Some(error) = comparison.error(row) else { continue };
+        if error > 1.0 || row.variant.math.is_some_and(|math| math != Math::Polynomial) {
+            continue;
         }
-        text.push_str("</tr>\n");
+        let name = format!("{}, {}", method_name(&row.variant), row.variant.precision.name());
+        let place = curves.iter().position(|curve| curve.name == name).unwrap_or_else(|| {
+            let is_single = row.variant.precision == Precision::F32;
+            let mark = if is_single { Mark::Ringed([2.0, 8.0]) } else { Mark::Dotted([2.0, 8.0]) };
+            curves.push(Curve::new(name, colour(&row.variant), mark, []));
+            curves.len() - 1
+        });
+        // In the order of their times.
+        let Curve { points, notes, .. } = &mut curves[place];
+        let time = found.ns_per_s / 1e3;
+        let at = points.partition_point(|point| point.0 <= time);
+        points.insert(at, (time, error.max(1e-16)));
+        notes.insert(at, format!("step or tolerance: {}", row.variant.control));
     }
-    text.push_str("</tbody>\n</table></div>\n");
-    text
+    let all = || curves.iter().flat_map(|curve| &curve.points);
+    let spans = [decades(all().map(|point| point.0)), decades(all().map(|point| point.1))];
+    let title = format!("{}, R = {}", comparison.file(), resistance(comparison.scene.load.resistance_ohm()));
+    let across = Axis::logarithmic("host time per simulated second [µs]", spans[0]);
+    let up = Axis::logarithmic("relative error of mean power", spans[1]);
+    Chart { height: 520, ..Chart::new(title, across, up, curves) }
+}
+
+fn colour(variant: &Variant) -> RGBColor {
+    match method_name(variant) {
+        "exponential Radau" => svg::BLACK,
+        "exponential Radau, fixed step" => svg::PURPLE,
+        "TR-BDF2" => svg::BLUE,
+        "TR-BDF2, fixed step" => svg::ORANGE,
+        "RK4, fixed step" => svg::VERMILION,
+        _ => svg::GREEN,
+    }
+}
+
+/// The whole decades that hold the values.
+fn decades(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let (low, high) = svg::extremes(values);
+    if !(high > 0.0) {
+        return [0.97e-1, 1.03];
+    }
+    let (low, high) = (low.log10().floor(), high.log10().ceil());
+    // A little wider than the decades, so that both ends have ticks.
+    [0.97 * 10f64.powf(low), 1.03 * 10f64.powf(if high > low { high } else { low + 1.0 })]
 }

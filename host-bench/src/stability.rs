@@ -12,7 +12,6 @@ mod day;
 mod exact;
 mod grid;
 mod judge;
-mod map;
 mod page;
 pub(crate) mod random;
 mod rows;

@@ -257,12 +257,12 @@ impl Map {
 
     /// A picture of the map as SVG.
     fn picture(&self) -> PyResult<String> {
-        host_bench::map::draw(&self.found, 0, &self.name).map_err(raised)
+        host_bench::map::drawn(&self.found, &self.name).map(|[svg, _]| svg).map_err(raised)
     }
 
     /// A page of the map, as HTML.
     fn page(&self) -> PyResult<String> {
-        host_bench::map::page(&self.found, &self.name).map_err(raised)
+        host_bench::map::drawn(&self.found, &self.name).map(|[_, page]| page).map_err(raised)
     }
 
     /// Looks places up, as a node does: value, lower and upper bound of each as the bytes of doubles, not-a-number outside

@@ -6,15 +6,14 @@ use comfy_table::presets;
 use rayon::prelude::*;
 
 use super::files::Outputs;
-use super::sweep::picture::{Quantity, Words, draw};
-use super::sweep::{Axis, page, values};
+use super::sweep::picture::{Quantity, Words, picture};
+use super::sweep::{Axis, values};
 use super::{NODE, SceneArguments, check_overrides, count, json_text, one_more, print, progress};
 use crate::accuracy::{Statements, run_as_it_is, tell_warnings};
 use crate::attractors::{self, Place, UNSETTLED, branches, ends, failed, settled};
 use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::{Branch, Fields, Format, Outcome, fields, flattened, rows_csv, shown, table};
-use crate::report::html::is_page;
 use crate::run::run_scene;
 use crate::scene_file;
 use crate::shift::{start, started};
@@ -83,10 +82,8 @@ pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
         let quantity = Quantity { name: "mean power", unit: "W", values: powers };
         let title = Name::new(file.to_string_lossy()).line();
         let words = Words { title: &title, without: "the run failed", marked: (&[], "") };
-        let draw = if is_page(path) { page::page } else { draw };
-        let drawn = draw(words, &axes, &[quantity]);
-        if let Some(drawn) = drawn.map_err(Failure::Input)? {
-            outputs.keep(path, drawn);
+        if let Some(picture) = picture(words, &axes, &[quantity]) {
+            outputs.keep(path, picture.of_file(path)?);
         }
     }
     tell_warnings(&Statements::of(&outcomes).fields(&doubts));

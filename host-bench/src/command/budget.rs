@@ -86,17 +86,16 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
         whole_day,
         stated,
     };
-    let svg = picture::svg(&day)
-        .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))?;
+    let picture = picture::picture(&day, &source);
     print(&day.text(&source, arguments.format))?;
     match &arguments.svg {
-        Some(file) => outputs.keep(file, &svg),
+        Some(file) => outputs.keep(file, picture.svg()?),
         None => {
             let folder = report_folder();
             make_folder(&folder)?;
-            let [picture, page] = REPORT.map(|name| folder.join(name));
-            outputs.keep(&picture, &svg);
-            outputs.keep(&page, picture::page(&day, &source, &svg));
+            for file in REPORT.map(|name| folder.join(name)) {
+                outputs.keep(&file, picture.of_file(&file)?);
+            }
         }
     }
     outputs.ended()

@@ -52,11 +52,11 @@ pub fn run(arguments: &FiguresArguments) -> Result<(), Failure> {
         for figure in &chapter.figures {
             outputs.write(&folder.join(format!("{}.csv", figure.stem())), &figure.csv)?;
             for panel in &figure.panels {
-                outputs.write(&folder.join(format!("{}.svg", panel.name)), &panel.svg)?;
+                outputs.write(&folder.join(format!("{}.svg", panel.name)), panel.svg()?)?;
             }
         }
         let page = folder.join(PAGE);
-        outputs.write(&page, figures::page(&chapter))?;
+        outputs.write(&page, figures::page(&chapter)?)?;
         let labels: Vec<&str> = chapter.figures.iter().map(|figure| figure.label).collect();
         bar.suspend(|| {
             note(&format!("figures: {}: {}: {}", subject.name(), labels.join(", "), page.display()));

@@ -9,7 +9,6 @@ use crate::fit::{self, Found, Request, free::Asked};
 use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::Format;
-use crate::report::html::is_page;
 use crate::scene_file::{self, Fit};
 
 /// Starts that are looked at where the first one does not end well.
@@ -153,8 +152,7 @@ impl FitArguments {
         let name = Name::of_file(file).line();
         let is_written = unwritten(found).is_none();
         for path in self.beside().iter().filter(|_| is_written).chain(&self.picture) {
-            let drawn = if is_page(path) { fit::page(found, &name) } else { fit::draw(found, &name) };
-            outputs.keep(path, drawn.map_err(Failure::Input)?);
+            outputs.keep(path, fit::picture(found, &name)?.of_file(path)?);
         }
         if let Some(path) = self.output.as_ref().filter(|_| is_written) {
             let entries = found.entries();

@@ -13,7 +13,6 @@ use crate::map::{self, Agreement, Heard, Map, Request, Said, Step};
 use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::{self, Fields, text};
-use crate::report::html::is_page;
 use crate::scene_file;
 
 /// What a map should keep: the 90th percentile of the relative error at most, and at least the share of the places at which
@@ -102,17 +101,17 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let found = map::map(&scene, &request, &arguments.scene.options, &step)?;
     bar.finish_and_clear();
     let name = Name::of_file(&arguments.scene.scene).line();
+    let drawn = map::picture(&found, &name)?;
     if let Some([map_file, picture]) = &files {
         if map_file.extension() == Some(OsStr::new("rs")) {
             outputs.keep(map_file, map::module(&found, &name, &command(arguments)));
         } else {
             outputs.keep(map_file, map::bytes(&found));
         }
-        outputs.keep(picture, map::draw(&found, 0, &name)?);
+        outputs.keep(picture, drawn.svg()?);
     }
     if let Some(file) = &arguments.picture {
-        let drawn = if is_page(file) { map::page(&found, &name)? } else { map::draw(&found, 0, &name)? };
-        outputs.keep(file, drawn);
+        outputs.keep(file, drawn.of_file(file)?);
     }
     let warnings: Vec<String> = missed(&found.agreement, request.error)
         .chain(beside(found.axes.centre_hz, request.frequencies))

@@ -10,7 +10,6 @@ use super::files::Outputs;
 use super::{count, json_text, one_more, print, progress};
 use crate::method::Failure;
 use crate::outcome::{Fields, Format, fields, rows_csv, shown, table};
-use crate::report::html::is_page;
 use crate::simulated_node::{Course, Extent, Kind, ROWS, picture, rows, timelines};
 
 #[derive(Debug, Clone, clap::Args)]
@@ -68,8 +67,8 @@ pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
     bar.finish_and_clear();
     print_rows(&rows, arguments.format, 3)?;
     if let Some(file) = &arguments.page {
-        let plots = picture::plots(arguments.scene.unwrap_or(Kind::ContactSeparation))?;
-        outputs.write(file, &if is_page(file) { picture::page(&plots)? } else { picture::svg(&plots)? })?;
+        let picture = picture::picture(arguments.scene.unwrap_or(Kind::ContactSeparation))?;
+        outputs.write(file, &picture.of_file(file)?)?;
     }
     Ok(())
 }

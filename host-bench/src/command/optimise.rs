@@ -10,9 +10,8 @@ use super::{NODE, SceneArguments, check_keys, count, json_text, one_more, print,
 use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
 use crate::name::Name;
-use crate::optimise::{Constraint, Found, Range, Request, Runs, draw, most_runs, optimise, page};
+use crate::optimise::{Constraint, Found, Range, Request, Runs, most_runs, optimise, picture};
 use crate::outcome::{Format, small, text};
-use crate::report::html::is_page;
 use crate::report::setting::margin;
 use crate::scene_file::{self, Scene};
 
@@ -145,10 +144,9 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outpu
     found.warnings().for_each(|warning| tell(&format!("warning: {warning}")));
     let name = Name::of_file(file).line();
     let title = format!("{name}: {}{}", request.quantity, margin(found.outcome.margins.smallest_margin));
+    let picture = picture(&found, &request, title);
     for path in pictures.iter().flatten() {
-        let drawn =
-            if is_page(path) { page(&found, &request, &title) } else { draw(&found, &request, &title) };
-        outputs.keep(path, drawn.map_err(Failure::Input)?);
+        outputs.keep(path, picture.of_file(path)?);
     }
     if let Some(path) = &arguments.output {
         let entries = entries(&found, &request);

@@ -3,7 +3,7 @@
 use super::files::{Outputs, make_folder, report_folder};
 use super::{SHIPPED_SCENES, note, print, work_precision};
 use crate::method::Failure;
-use crate::report;
+use crate::report::report;
 use crate::work_precision::{Extent, table};
 
 /// The page of the report.
@@ -16,7 +16,7 @@ pub fn run() -> Result<(), Failure> {
     outputs.check_in("", &folder, &[PAGE])?;
     let comparisons = work_precision::compare(&scenes, &Extent::SHORT)?;
     print(&table::text(&comparisons))?;
-    let page = report::page(&comparisons).map_err(Failure::Input)?;
+    let page = report(&comparisons)?;
     make_folder(&folder)?;
     let file = folder.join(PAGE);
     outputs.write(&file, &page)?;

@@ -129,7 +129,7 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
         ..usual
     };
     tell_warnings(&stated.fields(&[]));
-    let picture = motion::of_file(&file, &wanted, &series)?;
+    let picture = motion::picture(&wanted, &series)?.of_file(&file)?;
     if arguments.output.is_none() {
         make_folder(&report_folder())?;
     }

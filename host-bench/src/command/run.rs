@@ -95,7 +95,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         let words = setting(&scene, &[]) + &margin(outcome.margins.smallest_margin);
         let title = motion::title(&arguments.scene.scene, &outcome.method, &words);
         let wanted = motion::usual(&scene, &title, &series, every_s);
-        let picture = motion::of_file(file, &wanted, &[series])?;
+        let picture = motion::picture(&wanted, &[series])?.of_file(file)?;
         outputs.keep(file, picture);
     }
     if let (Some(file), Some(recording)) = (&arguments.trace, &outcome.trace) {

@@ -1,7 +1,6 @@
 //! `sweep`: a scene over a grid of values, on all cores.
 
 mod axis;
-pub(super) mod page;
 pub(super) mod picture;
 mod rows;
 mod shooting;
@@ -14,7 +13,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 pub use self::axis::Axis;
-use self::picture::{Quantity, Words};
+use self::picture::{Quantity, Words, picture};
 use self::rows::{ROWS, Rows};
 use self::shooting::{Compared, compared};
 use self::told::{best, doubt, is_of_accuracy, told_best, warnings};
@@ -264,14 +263,11 @@ fn write(
         marked: (&unstable, "no stable orbit: of the run"),
     };
     let quantities = quantities(points);
-    let picture = picture::draw(words, axes, &quantities).map_err(Failure::Input)?;
-    let page = page::page(words, axes, &quantities).map_err(Failure::Input)?;
+    let picture = picture(words, axes, &quantities);
     make_folder(folder)?;
     outputs.keep(&table, csv(axes, points));
-    for (file, text) in [(drawing, picture), (interactive, page)] {
-        if let Some(text) = text {
-            outputs.keep(&file, text);
-        }
+    for (file, picture) in [drawing, interactive].iter().zip(picture.iter().cycle()) {
+        outputs.keep(file, picture.of_file(file)?);
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 
 mod charging;
 mod chatter;
-mod convergence;
+pub(crate) mod convergence;
 mod history;
 mod motion;
 mod shapes;
@@ -50,23 +50,21 @@ pub fn build(done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
     let shapes = shapes::of([(tip_scene, tip), (mid_scene, mid)], done)?;
     let modes = convergence::in_modes([stiff_tip, stiff_mid], done)?;
     let steps = convergence::in_step(stiff_tip, done)?;
-    let figures = || -> Result<Vec<Figure>, String> {
-        Ok(vec![
-            history::six(tip, [&with_gap, &note])?,
-            chatter::seven(tip, gap_m(tip_scene), [&with_gap, &note])?,
-            history::eight([tip, none], [&with_gap, &note])?,
-            history::nine([tip, mid, none], [&with_gap, &note])?,
-            shapes::ten(&shapes, [&with_gap, &note])?,
-            charging::eleven([tip_store, mid_store, no_stop_store], [&charged_base, &note])?,
-            convergence::modes_figure(&modes, [&stiff_base, &stiff_note])?,
-            convergence::step_figure(&steps, [&stiff_base, &stiff_note])?,
-        ])
-    };
+    let figures = vec![
+        history::six(tip, [&with_gap, &note]),
+        chatter::seven(tip, gap_m(tip_scene), [&with_gap, &note])?,
+        history::eight([tip, none], [&with_gap, &note]),
+        history::nine([tip, mid, none], [&with_gap, &note]),
+        shapes::ten(&shapes, [&with_gap, &note]),
+        charging::eleven([tip_store, mid_store, no_stop_store], [&charged_base, &note]),
+        convergence::modes_figure(&modes, [&stiff_base, &stiff_note]),
+        convergence::step_figure(&steps, [&stiff_base, &stiff_note]),
+    ];
     Ok(Chapter {
         title: "Bump-stop harvester: figures 6 to 11 rebuilt",
         introduction: INTRODUCTION.to_owned(),
         points: scenes.iter().chain(&stiff).map(|scene| (scene.clone(), Options::default())).collect(),
-        figures: figures().map_err(Failure::Input)?,
+        figures,
     })
 }
 

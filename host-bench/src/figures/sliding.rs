@@ -7,7 +7,7 @@ mod resistance;
 mod resonance;
 mod response;
 
-pub(crate) use self::resonance::{Case, Peak};
+pub(crate) use self::resonance::{Case, Peak, sliding};
 
 use super::{Chapter, Figure, Panel, each, sine};
 use crate::method::{Failure, Options};
@@ -27,7 +27,7 @@ pub(crate) fn runs() -> usize {
 
 /// Makes the figures on all cores; `done` is called after each resonance.
 pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
-    let natural = Case::natural_frequency_hz(base)?;
+    let natural = sliding(base)?.parameters.natural_frequency_hz();
     let base_g = format!("{} g", sine(base)?.amplitude_m_per_s2 / GRAVITY);
     let note = format!(
         "Base acceleration {base_g}; natural frequency without friction {natural:.4} Hz. Charge densities, \
@@ -36,21 +36,19 @@ pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, F
     let of = [base_g.as_str(), &note];
     let curves = each(&response::cases(), done, |case| response::Response::of(base, case))?;
     let peaks = each(&resistance::cases(), done, |case| case.peak(base))?;
-    let figures = || -> Result<Vec<Figure>, String> {
-        Ok(vec![
-            response::three(&curves, of)?,
-            response::four(&curves, of)?,
-            response::five(&curves, of)?,
-            resistance::six(&peaks, natural, of)?,
-            resistance::charge_sweep(&peaks, natural, &note),
-            resistance::resistance_sweep(&peaks, natural, &note),
-        ])
-    };
+    let figures = vec![
+        response::three(&curves, of),
+        response::four(&curves, of),
+        response::five(&curves, of),
+        resistance::six(&peaks, natural, of),
+        resistance::charge_sweep(&peaks, natural, &note),
+        resistance::resistance_sweep(&peaks, natural, &note),
+    ];
     Ok(Chapter {
         title: "Sliding harvester: figures 3 to 6 rebuilt",
         introduction: introduction(),
         points: vec![(base.clone(), Options::default())],
-        figures: figures().map_err(Failure::Input)?,
+        figures,
     })
 }
 

@@ -3,56 +3,29 @@
 use plotters::style::RGBColor;
 
 use super::result::{Curve as Column, Found};
+use crate::method::Failure;
 use crate::motion::quantity;
 use crate::outcome::Format;
-use crate::report::charts::{Charts, HINT, Look};
-use crate::report::html::{document, escaped};
-use crate::report::plot::{self, Axis, Curve, Mark, Plot, height};
+use crate::report::Picture;
+use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::setting::prefix;
-use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, range, together};
+use crate::report::svg::{BLACK, BLUE, COLOURS, VERMILION, range};
 
-/// Width of the picture, height of data and model, and height of the residuals.
-const WIDTH: u32 = 900;
-const UPPER: u32 = 340;
-const LOWER: u32 = 210;
 /// Most columns drawn.
 const MOST: usize = 8;
 /// Most points of a curve; of more only every so many are drawn.
 const POINTS: usize = 20_000;
-/// Colours of groups of rows. One group alone has data in the first and the model in the second.
-const COLOURS: [RGBColor; 6] = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, BLACK];
 
-/// The picture as SVG.
-pub(crate) fn draw(found: &Found, title: &str) -> Result<String, String> {
-    let mut parts = Vec::new();
-    let mut below = 0;
-    for column in &found.curves[..found.curves.len().min(MOST)] {
-        let mut upper = data(column);
-        upper.title = format!("{title}: {}", upper.title);
-        let mut lower = residuals(column);
-        let level = lower.across.span.map(|x| (x, 0.0));
-        lower.curves.insert(0, Curve::new("", BLACK, Mark::Line(1.0), level));
-        for (plot, height) in [(upper, UPPER), (lower, LOWER)] {
-            parts.push((0, below, plot::draw((WIDTH, height), &[plot])?));
-            below += height;
-        }
-    }
-    Ok(together((WIDTH, below.max(1)), &parts))
-}
-
-/// The picture as a page, with the numbers below.
-pub(crate) fn page(found: &Found, title: &str) -> Result<String, String> {
-    let mut charts = Charts::default();
-    let mut body = format!("<h1>Fit of {}</h1>\n{HINT}", escaped(title));
-    for column in &found.curves[..found.curves.len().min(MOST)] {
-        let group = Some(column.file.as_str());
-        body += &charts.place(&data(column), Look { height: 340, group });
-        body += &charts.place(&residuals(column), Look { height: 190, group });
-    }
-    let text = super::text(found, Format::Table).map_err(|failure| failure.to_string())?;
-    body += &format!("<pre>{}</pre>\n", escaped(&text));
-    body += &charts.scripts();
-    Ok(document(title, &body))
+/// The picture with the numbers below.
+pub(crate) fn picture(found: &Found, title: &str) -> Result<Picture, Failure> {
+    let columns = &found.curves[..found.curves.len().min(MOST)];
+    Ok(Picture {
+        title: format!("Fit of {title}"),
+        width: 900,
+        charts: columns.iter().flat_map(|column| [data(column), residuals(column)]).collect(),
+        text: super::text(found, Format::Table)?,
+        ..Picture::default()
+    })
 }
 
 /// The name of a quantity with its unit, and the factor to it.
@@ -80,23 +53,15 @@ struct Shown<'a> {
     name: &'a str,
 }
 
-fn shown(column: &Column) -> Vec<Shown<'_>> {
+/// One group alone has data in the first colour and the model in the second.
+fn shown(column: &Column) -> impl Iterator<Item = Shown<'_>> {
     let every = column.x.len().div_ceil(POINTS).max(1);
     let is_alone = column.groups.len() == 1;
-    let of_group = |(index, group): (usize, &'_ super::lines::Group)| {
-        let own = COLOURS[index % COLOURS.len()];
-        (
-            group.rows.iter().copied().step_by(every).collect(),
-            if is_alone { [BLUE, VERMILION] } else { [own; 2] },
-        )
-    };
-    let groups = column.groups.iter().enumerate();
-    groups
-        .map(|(index, group)| {
-            let (rows, colours) = of_group((index, group));
-            Shown { rows, colours, name: group.name.as_str() }
-        })
-        .collect()
+    column.groups.iter().zip(COLOURS.into_iter().cycle()).map(move |(group, own)| Shown {
+        rows: group.rows.iter().copied().step_by(every).collect(),
+        colours: if is_alone { [BLUE, VERMILION] } else { [own; 2] },
+        name: group.name.as_str(),
+    })
 }
 
 /// `measured`, or `measured, up`.
@@ -105,10 +70,10 @@ fn named(word: &str, group: &str) -> String {
 }
 
 /// Measured points with their standard deviations, and the model as lines.
-fn data(column: &Column) -> Plot {
+fn data(column: &Column) -> Chart {
     let (title, factor) = scaled(&column.column, largest(column.measured.iter().copied()));
     let mut curves = Vec::new();
-    for (index, Shown { rows, colours, name }) in shown(column).into_iter().enumerate() {
+    for (index, Shown { rows, colours, name }) in shown(column).enumerate() {
         let line: Vec<(f64, f64)> = match column.lines.get(index) {
             Some(line) => line.iter().map(|&(x, y)| (x, factor * y)).collect(),
             None => rows.iter().map(|&row| (column.x[row], factor * column.model[row])).collect(),
@@ -117,10 +82,10 @@ fn data(column: &Column) -> Plot {
         curves.push(if column.is_trace { line } else { line.broken_at_jumps() });
         let points = rows.iter().map(|&row| (column.x[row], factor * column.measured[row]));
         let dots = Curve::new(named("measured", name), colours[0], Mark::Dots(5.0), points);
-        curves.push(dots.with_bars(bars(column, &rows, factor)));
+        curves.push(Curve { bars: bars(column, &rows, factor), ..dots });
     }
-    let up = Axis::linear(title, height(&curves), 6);
-    Plot { title: column.file.clone(), across: across(column), up, curves }
+    let up = Axis::linear(title, FITTING, 6);
+    Chart::new(column.file.as_str(), across(column), up, curves).grouped(&column.file, 340)
 }
 
 /// The standard deviations of some rows; none where the column has none.
@@ -128,22 +93,20 @@ fn bars(column: &Column, rows: &[usize], factor: f64) -> Vec<f64> {
     column.std.iter().flat_map(|std| rows.iter().map(|&row| factor * std[row])).collect()
 }
 
-fn residuals(column: &Column) -> Plot {
+fn residuals(column: &Column) -> Chart {
     let difference = |row: usize| column.measured[row] - column.model[row];
     let deviation = |row: usize| column.std.as_ref().map_or(0.0, |std| std[row]);
     let most = largest((0..column.x.len()).map(|row| difference(row).abs() + deviation(row)));
     let (title, factor) = scaled(&column.column, most);
     let unit = title.find('[').map_or("", |at| &title[at..]);
-    let curves = shown(column).into_iter().map(|Shown { rows, colours, name }| {
+    let across = across(column);
+    let level = Curve::new("", BLACK, Mark::Line(1.0), across.span.map(|x| (x, 0.0)));
+    let dots = shown(column).map(|Shown { rows, colours, name }| {
         let points = rows.iter().map(|&row| (column.x[row], factor * difference(row)));
         let dots = Curve::new(name, colours[0], Mark::Dots(5.0), points);
-        dots.with_bars(bars(column, &rows, factor))
+        Curve { bars: bars(column, &rows, factor), ..dots }
     });
     let end = if most > 0.0 { 1.1 * factor * most } else { 1.0 };
-    Plot {
-        title: String::new(),
-        across: across(column),
-        up: Axis::linear(format!("data − model {unit}").trim().to_owned(), [-end, end], 4),
-        curves: curves.collect(),
-    }
+    let up = Axis::linear(format!("data − model {unit}").trim(), [-end, end], 4);
+    Chart::new("", across, up, std::iter::once(level).chain(dots).collect()).grouped(&column.file, 210)
 }

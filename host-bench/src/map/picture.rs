@@ -1,81 +1,115 @@
-//! The picture of a map: its values, its boundaries, and the places that check it.
+//! The picture of a map: each slice with its values and its boundaries, the yield and the regime of each cell at the pointer,
+//! and the places that check it.
 
-use plotters::prelude::*;
+use model_core::energy::Response;
+use model_core::energy::response_map::Branch;
+use plotters::style::RGBColor;
 
 use super::axes::amplitude_of;
-use super::{Map, Place};
+use super::{Column, Judged, Map};
 use crate::method::Failure;
-use crate::report::svg::{
-    Area, Drawn, FONT, Ticked, VERMILION, extremes, logarithmic_label, logarithmic_ticks, shade, svg,
-};
+use crate::report::Picture;
+use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark, Told};
+use crate::report::setting::prefix;
+use crate::report::svg::{BLACK, VERMILION};
 
-/// Width and height.
-const SIZE: (u32, u32) = (900, 640);
-const LABEL: (&str, u32) = (FONT, 15);
-/// Cells of the picture over frequency and over amplitude.
-const CELLS: [usize; 2] = [128, 48];
+/// Cells over frequency and over amplitude.
+const CELLS: [usize; 2] = [128, 64];
+/// Cells over amplitude of which [`best`] is the largest.
+const ROWS: usize = 48;
+/// Light enough on the darkest cells, and seen on white.
+const LIGHT: RGBColor = RGBColor(216, 222, 228);
+/// What the map tells of a cell.
+const REGIMES: [&str; 4] = [
+    "one motion, the lower one",
+    "one motion, the upper one",
+    "two motions: the lower one, bounds of both",
+    "outside",
+];
 
-/// The picture of one slice.
-pub fn draw(map: &Map, slice: usize, title: &str) -> Result<String, Failure> {
-    let told = map.image.map()?;
-    let unit = if told.is_current() { "charge per second [A]" } else { "mean power [W]" };
-    let [low, high] = map.axes.amplitudes.map(f64::log10);
+/// All slices on a page, the first in an SVG; `title` is plain text.
+pub(crate) fn picture(map: &Map, title: &str) -> Result<Picture, Failure> {
+    let charts = (0..map.slices.len()).map(|slice| chart(map, slice)).collect::<Result<_, _>>()?;
+    Ok(Picture { title: format!("Response map of {title}"), width: 900, charts, ..Picture::default() })
+}
+
+/// The picture as SVG, and as a page.
+pub fn drawn(map: &Map, title: &str) -> Result<[String; 2], Failure> {
+    let picture = picture(map, title)?;
+    Ok([picture.svg()?, picture.page()?])
+}
+
+fn chart(map: &Map, slice: usize) -> Result<Chart, Failure> {
+    let (told, axes) = (map.image.map()?, &map.axes);
+    let (name, unit) = if told.is_current() { ("charge per second", "A") } else { ("mean power", "W") };
+    let [low, high] = axes.amplitudes.map(f64::ln);
     let [across, up] = CELLS;
-    let edge = |index: usize, count: usize| index as f64 / count as f64;
-    let value = |column: usize, row: usize| {
-        let frequency = map.axes.frequency(edge(2 * column + 1, 2 * across)) as f32;
-        let amplitude = 10f64.powf(low + (high - low) * edge(2 * row + 1, 2 * up)) as f32;
-        told.in_slice_at(slice, amplitude, frequency).income().map(|income| f64::from(income.value))
-    };
-    let values: Vec<Option<f64>> = (0..across * up)
-        .map(|index| value(index % across, index / across).filter(|value| *value > 0.0).map(f64::log10))
+    let middle = |index: usize, count: usize| (2 * index + 1) as f64 / (2 * count) as f64;
+    let parts: Vec<f64> = (0..across).map(|index| middle(index, across)).collect();
+    let frequencies: Vec<f64> = parts.iter().map(|part| axes.frequency(*part)).collect();
+    let amplitudes: Vec<f64> = (0..up).map(|index| (low + (high - low) * middle(index, up)).exp()).collect();
+    let at = |index: usize| [amplitudes[index / across], frequencies[index % across]].map(|at| at as f32);
+    let cells: Vec<Response> = (0..across * up)
+        .map(at)
+        .map(|[amplitude, frequency]| told.in_slice_at(slice, amplitude, frequency))
         .collect();
-    let (least, most) = extremes(values.iter().flatten().copied());
-    let title = match told.is_current() {
-        true => format!("{title}, storage at {:.2} V", told.voltage(slice)),
-        false => title.to_owned(),
+    let largest = cells.iter().filter_map(|cell| Some(f64::from(cell.income()?.value))).fold(0.0, f64::max);
+    let (sign, factor) = prefix(largest);
+    let of = |number: usize| -> Vec<Option<f64>> {
+        let numbers = cells.iter().map(move |cell| {
+            let income = cell.income()?;
+            Some(factor * f64::from([income.value, income.low, income.high][number]))
+        });
+        numbers.collect()
     };
-    let picture = svg(SIZE, |area| {
-        let mut area = area.titled(&title, (FONT, 18))?;
-        for line in legend(map, slice, values.iter().any(Option::is_none)) {
-            area = area.titled(&line, LABEL)?;
-        }
-        let (body, scale) = area.split_horizontally(SIZE.0.cast_signed() - 130);
-        field(&body, map, slice, &values, [least, most])?;
-        bar(&scale, unit, [least, most])
-    });
-    picture.map_err(Failure::Input)
+    let [value, lowest, highest] = [0, 1, 2].map(of);
+    let title = |of: &str| format!("{of} [{sign}{unit}]");
+    let coloured = value.iter().map(|value| value.filter(|value| *value > 0.0)).collect();
+    let numbers = (0..=across).map(|index| axes.frequency(index as f64 / across as f64)).collect();
+    let place = [Axis::of_numbers("frequency [Hz]", numbers), Axis::logarithmic("amplitude [m/s²]", FITTING)];
+    let scale = Axis::logarithmic(title(name), FITTING);
+    let mut chart = Chart::map(place, [parts, amplitudes], scale, coloured);
+    if let Some(field) = &mut chart.field {
+        let detuning =
+            frequencies.iter().map(|frequency| (frequency - axes.centre_hz) / axes.half_bandwidth_hz);
+        let detuning = Told::Column("detuning [half-bandwidths]".to_owned(), detuning.collect());
+        field.tells.splice(0..1, [Told::Column("frequency [Hz]".to_owned(), frequencies), detuning]);
+        field.tells.pop();
+        field.tells.extend([
+            Told::Cell(title(name), value),
+            Told::Cell(title("at least"), lowest),
+            Told::Cell(title("at most"), highest),
+            Told::Text(&REGIMES, cells.iter().map(regime).collect()),
+        ]);
+    }
+    if told.is_current() {
+        chart.title = format!("storage at {:.2} V", told.voltage(slice));
+    }
+    chart.curves = [boundaries(map, slice), places(map, slice)].concat();
+    chart.note = format!(
+        "The abscissa is even in the detuning: the distance from {:.4} Hz in half-bandwidths of {:.4} Hz, compressed \
+         far from it. White: no yield, or none in the map.",
+        axes.centre_hz, axes.half_bandwidth_hz
+    );
+    chart.is_of_page = slice > 0;
+    Ok(chart)
 }
 
-/// What lines, dots and white of a picture are.
-fn legend(map: &Map, slice: usize, has_white: bool) -> Vec<String> {
-    let mut lines = Vec::new();
-    if map.slices[slice].iter().any(|column| column.found) {
-        lines.push(
-            "line: the lower motion ends as the amplitude rises; dashes: the upper one as it falls"
-                .to_owned(),
-        );
+/// The index of what the map tells of a cell in [`REGIMES`].
+fn regime(cell: &Response) -> usize {
+    match cell {
+        Response::One { branch: Branch::Lower, .. } => 0,
+        Response::One { branch: Branch::Upper, .. } => 1,
+        Response::Two { .. } => 2,
+        Response::Outside(_) => 3,
     }
-    let mut checked = map.checked.iter().filter(|judged| judged.place.slice == slice);
-    let dots = if checked.clone().any(|judged| !judged.holds) {
-        "small white dots: checked, the bounds hold; red: they do not"
-    } else {
-        "small white dots: checked, the bounds hold"
-    };
-    let dots = checked.next().map(|_| dots);
-    let white = has_white.then_some("white: the map has no income");
-    let rest: Vec<&str> = white.into_iter().chain(dots).collect();
-    if !rest.is_empty() {
-        lines.push(rest.join("; "));
-    }
-    lines
 }
 
-/// The largest income of the map on the cells of its picture: slice, frequency in Hz, amplitude in m/s², and the income.
-pub fn best(map: &Map) -> Result<Option<(usize, f64, f64, f64)>, Failure> {
+/// The largest income of the map on cells: slice, frequency in Hz, amplitude in m/s², and the income.
+pub(crate) fn best(map: &Map) -> Result<Option<(usize, f64, f64, f64)>, Failure> {
     let told = map.image.map()?;
     let [low, high] = map.axes.amplitudes.map(f64::log10);
-    let [across, up] = CELLS;
+    let (across, up) = (CELLS[0], ROWS);
     let part = |index: usize, count: usize| index as f64 / (count - 1) as f64;
     let cells = (0..map.slices.len() * across * up).filter_map(|index| {
         let (slice, cell) = (index / (across * up), index % (across * up));
@@ -87,79 +121,54 @@ pub fn best(map: &Map) -> Result<Option<(usize, f64, f64, f64)>, Failure> {
     Ok(cells.max_by(|one, other| one.3.total_cmp(&other.3)))
 }
 
-fn field(area: &Area<'_>, map: &Map, slice: usize, values: &[Option<f64>], ends: [f64; 2]) -> Drawn {
-    let axes = &map.axes;
-    let [low, high] = axes.amplitudes.map(f64::log10);
-    let [across, up] = CELLS;
-    let rows = logarithmic_ticks(low, high, 8);
-    let mut chart = ChartBuilder::on(area)
-        .margin(10)
-        .x_label_area_size(40)
-        .y_label_area_size(80)
-        .build_cartesian_2d(0.0..1.0, Ticked::new([low, high], &rows))?;
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .x_labels(8)
-        .x_desc("frequency [Hz], at even distances of its detuning")
-        .y_desc("amplitude [m/s²]")
-        .label_style(LABEL)
-        .x_label_formatter(&|part: &f64| format!("{:.2}", axes.frequency(part.clamp(0.0, 1.0))))
-        .y_label_formatter(&|place: &f64| logarithmic_label(*place, &rows))
-        .draw()?;
-    chart.draw_series(values.iter().enumerate().filter_map(|(index, value)| {
-        let [column, row] = [index % across, index / across].map(|index| index as f64);
-        let step = (high - low) / up as f64;
-        let corners = [
-            (column / across as f64, low + row * step),
-            ((column + 1.0) / across as f64, low + (row + 1.0) * step),
-        ];
-        Some(Rectangle::new(corners, shade((*value)?, ends[0], ends[1]).filled()))
-    }))?;
+/// The amplitudes at which the motions end when the amplitude rises and when it falls.
+fn boundaries(map: &Map, slice: usize) -> Vec<Curve> {
     let columns = &map.slices[slice];
-    let place = |index: usize, level: f64| {
-        let amplitude = amplitude_of(level).log10().clamp(low, high);
-        (index as f64 / (columns.len() - 1) as f64, amplitude)
-    };
-    if columns.iter().any(|column| column.found) {
-        let rising = columns.iter().enumerate().map(|(index, column)| place(index, column.rising));
-        chart.draw_series(LineSeries::new(rising, WHITE.stroke_width(2)))?;
-        let falling = columns.iter().enumerate().map(|(index, column)| place(index, column.falling));
-        chart.draw_series(DashedLineSeries::new(falling, 6, 4, WHITE.stroke_width(2)))?;
+    if !columns.iter().any(|column| column.found) {
+        return Vec::new();
     }
-    let of_slice = map.checked.iter().filter(|judged| judged.place.slice == slice);
-    chart.draw_series(of_slice.map(|judged| {
-        let Place { frequency_hz, amplitude, .. } = judged.place;
-        let (below, part) = axes.column(frequency_hz);
-        let x = (below as f64 + part) / (axes.frequencies.len() - 1) as f64;
-        let colour = if judged.holds { WHITE } else { VERMILION };
-        Circle::new((x, amplitude.log10()), if judged.holds { 1 } else { 3 }, colour.filled())
-    }))?;
-    Ok(())
+    let [low, high] = map.axes.amplitudes;
+    let last = (columns.len() - 1) as f64;
+    let curve = |name: &str, mark: Mark, levels: Vec<f64>| {
+        let points = levels.into_iter().enumerate();
+        let points = points.map(|(index, level)| (index as f64 / last, amplitude_of(level).clamp(low, high)));
+        Curve::new(name, LIGHT, mark, points.collect::<Vec<(f64, f64)>>())
+    };
+    let [rising, falling] = [|column: &Column| column.rising, |column: &Column| column.falling]
+        .map(|of| columns.iter().map(of).collect::<Vec<f64>>());
+    vec![
+        curve("the lower motion ends as the amplitude rises", Mark::Line(2.0), rising),
+        curve("the upper motion ends as the amplitude falls", Mark::Dashes(2.0), falling),
+    ]
 }
 
-/// The scale of the colours.
-fn bar(area: &Area<'_>, unit: &str, [least, most]: [f64; 2]) -> Drawn {
-    const SHADES: usize = 64;
-    let most = most.max(least + 1e-6);
-    let ticks = logarithmic_ticks(least, most, 10);
-    let mut chart = ChartBuilder::on(area)
-        .margin(10)
-        .margin_bottom(50)
-        .y_label_area_size(70)
-        .build_cartesian_2d(0.0..1.0, Ticked::new([least, most], &ticks))?;
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .disable_x_axis()
-        .label_style(LABEL)
-        .y_desc(unit)
-        .y_label_formatter(&|place: &f64| logarithmic_label(*place, &ticks))
-        .draw()?;
-    chart.draw_series((0..SHADES).map(|index| {
-        let edge = |index: usize| least + (most - least) * index as f64 / SHADES as f64;
-        let colour = shade(0.5 * (edge(index) + edge(index + 1)), least, most);
-        Rectangle::new([(0.0, edge(index)), (1.0, edge(index + 1))], colour.filled())
-    }))?;
-    Ok(())
+/// The random places that check the map, with what the full model has there.
+fn places(map: &Map, slice: usize) -> Vec<Curve> {
+    let curve = |name: &str, colour: RGBColor, holds: bool| {
+        let of_slice =
+            map.checked.iter().filter(|judged| judged.place.slice == slice && judged.holds == holds);
+        let noted = of_slice.map(|judged| (at(map, judged), note(judged)));
+        Curve::noted(name, colour, Mark::Dots(5.0), noted)
+    };
+    let holds = curve("checked: the bounds hold", BLACK, true);
+    holds.into_iter().chain(curve("checked: the bounds do not hold", VERMILION, false)).collect()
+}
+
+fn at(map: &Map, judged: &Judged) -> (f64, f64) {
+    let (below, part) = map.axes.column(judged.place.frequency_hz);
+    ((below as f64 + part) / (map.axes.frequencies.len() - 1) as f64, judged.place.amplitude)
+}
+
+/// What the full model has at a place beside what the map tells.
+fn note(judged: &Judged) -> String {
+    let motion = |name: &str, truth: Option<f64>, error: Option<f64>| {
+        let truth = truth?;
+        let error =
+            error.map_or_else(String::new, |error| format!(", the map is {:.2} % off", 100.0 * error));
+        Some(format!("full model, {name} motion: {truth:.4e}{error}"))
+    };
+    let [lower, upper] = judged.errors;
+    let lines = [motion("lower", judged.truth.lower, lower), motion("upper", judged.truth.upper, upper)];
+    let lines: Vec<String> = lines.into_iter().flatten().collect();
+    lines.join("\n")
 }

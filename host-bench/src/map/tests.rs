@@ -115,12 +115,14 @@ fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
         axes,
         statements: Statements::default(),
     };
-    let picture = draw(&map, 0, "a linear beam").expect("a picture");
+    let picture = super::picture(&map, "a linear beam").and_then(|picture| picture.svg()).expect("a picture");
     // A resistor has no voltage of a slice; this map has neither boundaries nor places that check it.
     assert!(
-        picture.contains("a linear beam") && !picture.contains("storage at") && !picture.contains("dashes:")
+        picture.contains("a linear beam")
+            && !picture.contains("storage at")
+            && !picture.contains("motion ends")
     );
-    let page = page(&map, "a linear beam").expect("a page");
+    let page = super::picture(&map, "a linear beam").and_then(|picture| picture.page()).expect("a page");
     let charts =
         page.split("const charts = ").nth(1).and_then(|rest| rest.split(";\n").next()).expect("charts");
     let charts: serde_json::Value = serde_json::from_str(charts).expect("JSON");
@@ -183,11 +185,14 @@ fn a_picture_says_what_its_lines_and_dots_are_and_its_voltage() {
         periods: 0.0,
         statements,
     };
-    let picture = draw(&map, 0, "rectified.toml").expect("a picture");
+    let picture =
+        super::picture(&map, "rectified.toml").and_then(|picture| picture.svg()).expect("a picture");
     for words in [
-        "rectified.toml, storage at 3.00",
-        "line: the lower motion ends as the amplitude rises; dashes: the upper one as it falls",
-        "red: they do not",
+        "Response map of rectified.toml",
+        "storage at 3.00 V",
+        "the lower motion ends as the amplitude rises",
+        "the upper motion ends as the amplitude falls",
+        "checked: the bounds do not hold",
     ] {
         assert!(picture.contains(words), "{words} is not in the picture");
     }

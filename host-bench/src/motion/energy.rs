@@ -5,9 +5,9 @@ use std::fmt::Write;
 use plotters::style::RGBColor;
 
 use super::Series;
-use crate::report::html::escaped;
+use crate::report::page::escaped;
 use crate::report::setting::with_unit;
-use crate::report::svg::{FONT, width_of};
+use crate::report::svg::{FONT, hex, width_of};
 
 const ROW: u32 = 22;
 const TOP: u32 = 40;
@@ -52,12 +52,12 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
     let mut y = TOP;
     for (index, name) in names {
         let _ = writeln!(text, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{name}</text>", LEFT - 8, y + 15);
-        for (one, RGBColor(red, green, blue), parts) in &known {
+        for (one, colour, parts) in &known {
             let value = parts.get(index).map_or(0.0, |(_, value)| *value);
             let long = (scale * value.abs()).max(0.5);
             // What is negative flows the other way: its bar is hollow.
-            let fill =
-                if value < 0.0 { "none".to_owned() } else { format!("#{red:02X}{green:02X}{blue:02X}") };
+            let colour = hex(*colour);
+            let fill = if value < 0.0 { "none" } else { &colour };
             let of = if known.len() > 1 { format!("  {}", escaped(&one.name)) } else { String::new() };
             let supplied = parts.first().map_or(0.0, |(_, value)| *value);
             let part = if supplied > 0.0 {
@@ -69,7 +69,7 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
             let _ = writeln!(
                 text,
                 "<rect x=\"{LEFT}\" y=\"{}\" width=\"{long:.1}\" height=\"{}\" fill=\"{fill}\" pointer-events=\"all\" \
-                 stroke=\"#{red:02X}{green:02X}{blue:02X}\"><title>{}: {value:.6e} J{part}</title></rect>\n<text x=\"{:.1}\" y=\"{}\">{}{of}</text>",
+                 stroke=\"{colour}\"><title>{}: {value:.6e} J{part}</title></rect>\n<text x=\"{:.1}\" y=\"{}\">{}{of}</text>",
                 y + 3,
                 ROW - 6,
                 escaped(name),

@@ -13,7 +13,7 @@ fn the_spectrum_of_two_sines_has_their_amplitudes() {
             (time, 5.0 + 3.0 * (TAU * 20.0 * time).sin() + 0.5 * (TAU * 60.0 * time + 1.0).cos())
         })
         .collect();
-    let found = spectrum::amplitudes(&rows, [0.0, 2.0], 200.0);
+    let found = series::amplitudes(&rows, [0.0, 2.0], 200.0);
     let near = |frequency: f64| {
         let around = found.iter().filter(|(other, _)| (other - frequency).abs() < 0.6);
         around.fold(0.0_f64, |most, (_, amplitude)| most.max(*amplitude))
@@ -22,7 +22,7 @@ fn the_spectrum_of_two_sines_has_their_amplitudes() {
     assert!((near(60.0) - 0.5).abs() < 0.01, "{}", near(60.0));
     // The mean is not a line, and nothing is between the lines.
     assert!(near(0.0) < 0.01 && near(40.0) < 1e-3 && near(150.0) < 1e-3);
-    assert_eq!(spectrum::amplitudes(&rows[..1], [0.0, 2.0], 200.0), []);
+    assert_eq!(series::amplitudes(&rows[..1], [0.0, 2.0], 200.0), []);
 }
 
 fn run(name: &str, sets: &[(&str, &str)], every_s: f64) -> (Scene, Series) {
@@ -45,7 +45,9 @@ fn a_picture_has_its_quantities_with_units_its_impacts_and_its_flow() {
         let gap = series.at("gap_m", *impact).expect("within the rows");
         assert!(gap.abs() < 2e-5, "{gap} m at {impact} s");
     }
-    let svg = draw(&usual(&scene, "the title", &series, 1e-4), &[series]).expect("a picture");
+    let svg =
+        picture(&usual(&scene, "the title", &series, 1e-4), &[series]).and_then(|picture| picture.svg());
+    let svg = svg.expect("a picture");
     for text in [
         "the title",
         "gap [mm]",
@@ -95,7 +97,7 @@ fn several_runs_are_named_and_a_bump_stop_has_a_portrait() {
     other.name = "gap_m = 30 µm".to_owned();
     let wanted = usual(&scene, "the title", &one, 2e-5);
     assert!(wanted.quantities.contains(&"contact_force_n".to_owned()));
-    let svg = draw(&wanted, &[one, other]).expect("a picture");
+    let svg = picture(&wanted, &[one, other]).and_then(|picture| picture.svg()).expect("a picture");
     for text in
         ["gap_m = 10 µm", "gap_m = 30 µm", "tip displacement [µm]", "contact force [N]", "velocity [mm/s]"]
     {
@@ -124,7 +126,7 @@ fn a_page_has_its_data_and_needs_no_network() {
     other.name = "other".to_owned();
     let wanted = usual(&scene, "a < b", &one, 1e-4);
     let gap = one.over_time("gap_m");
-    let page = page(&wanted, &[one, other]).expect("a page");
+    let page = picture(&wanted, &[one, other]).and_then(|picture| picture.page()).expect("a page");
     for outside in ["<link", "src=", "@import", "url("] {
         assert!(!page.contains(outside), "{outside}");
     }

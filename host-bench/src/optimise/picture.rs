@@ -1,115 +1,133 @@
-//! The picture of an optimum: a curve over one key, a map over the first two.
+//! The picture of an optimum: its curve over one key or its map over the first two, and the way of the search.
 
-use plotters::prelude::*;
+use plotters::style::RGBColor;
 
 use super::{Found, Point, Range, Request};
-use crate::report::colour_bar::colour_bar;
-use crate::report::label::label as label_of_key;
-use crate::report::svg::{Area, BLUE, Drawn, FONT, VERMILION, extremes, range, shade, svg, tick};
+use crate::report::Picture;
+use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark, Told};
+use crate::report::setting::label;
+use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, tick};
 
-const SIZE: (u32, u32) = (900, 640);
-const LABEL: (&str, u32) = (FONT, 15);
-
-/// The picture as SVG.
-pub(crate) fn draw(found: &Found, request: &Request<'_>, title: &str) -> Result<String, String> {
-    svg(SIZE, |area| {
-        let area = area.titled(title, (FONT, 18))?;
-        match &request.ranges[..] {
-            [only] => curve(&area, found, request, only),
-            [up, across, ..] => map(&area, found, request, [up, across]),
-            [] => Ok(()),
-        }
-    })
+/// The title is plain text.
+pub(crate) fn picture(found: &Found, request: &Request<'_>, title: String) -> Picture {
+    let first = match &request.ranges[..] {
+        [only] => Some(curve(found, request, only)),
+        [up, across, ..] => Some(map(found, request, [across, up])),
+        [] => None,
+    };
+    let charts = first.into_iter().chain([history(found, request)]).collect();
+    Picture { title, width: 900, charts, ..Picture::default() }
 }
 
-/// The place of a value on its axis, in decades on a logarithmic one.
-fn axis(range: &Range, value: f64) -> f64 {
-    if range.is_logarithmic { value.log10() } else { value }
+/// What the pointer tells of a point besides its place: its value, that of each key, and which constraint it breaks.
+fn note(request: &Request<'_>, point: &Point) -> String {
+    let value =
+        point.value().map_or_else(|| "the run failed".to_owned(), |value| tick(request.signed(value)));
+    let mut lines = vec![format!("value: {value}")];
+    lines
+        .extend(Found::values(request, point).into_iter().map(|(key, value)| format!("{key} = {value:.6e}")));
+    if let Some((_, margins)) = &point.found {
+        let broken = request.constraints.iter().zip(margins).filter(|(_, margin)| **margin < 0.0);
+        lines.extend(broken.map(|(constraint, _)| format!("breaks {}", constraint.text())));
+    }
+    lines.join("\n")
 }
 
-fn label(range: &Range, place: f64) -> String {
-    tick(if range.is_logarithmic { 10f64.powf(place) } else { place })
+/// Points with their values in a colour; nothing where there are none.
+fn dots<'a>(
+    request: &Request<'_>,
+    (name, colour, size): (&str, RGBColor, f64),
+    points: impl Iterator<Item = (&'a Point, (f64, f64))>,
+) -> Option<Curve> {
+    let noted = points.map(|(point, place)| (place, note(request, point)));
+    Curve::noted(name, colour, Mark::Dots(size), noted)
 }
 
-fn curve(area: &Area<'_>, found: &Found, request: &Request<'_>, key: &Range) -> Drawn {
-    let of = |point: &Point| Some((axis(key, key.value(point.place[0])), request.signed(point.value()?)));
-    let mut points: Vec<(f64, f64)> = found.points.iter().filter_map(of).collect();
-    points.sort_by(|one, other| one.0.total_cmp(&other.0));
-    let (low, high) = range(points.iter().map(|point| point.1));
-    let mut chart = ChartBuilder::on(area)
-        .margin(10)
-        .margin_right(30)
-        .x_label_area_size(40)
-        .y_label_area_size(90)
-        .build_cartesian_2d(axis(key, key.low)..axis(key, key.high), low..high)?;
-    chart
-        .configure_mesh()
-        .x_desc(label_of_key(&key.key))
-        .y_desc(request.quantity.as_str())
-        .label_style(LABEL)
-        .x_label_formatter(&|x| label(key, *x))
-        .y_label_formatter(&|y| tick(*y))
-        .draw()?;
-    chart.draw_series(LineSeries::new(points.iter().copied(), BLUE.stroke_width(1)))?;
-    chart.draw_series(points.iter().map(|point| Circle::new(*point, 2, BLUE.filled())))?;
-    chart.draw_series(of(&found.best).map(|point| Circle::new(point, 6, VERMILION.filled())))?;
-    Ok(())
+fn axis(key: &Range) -> Axis {
+    Axis::scaled(key.is_logarithmic, label(&key.key), [key.low, key.high])
 }
 
-/// The best value of each cell of the grid over the first two keys, the second running fastest; none where no point keeps the
+/// The value over the only key.
+fn curve(found: &Found, request: &Request<'_>, key: &Range) -> Chart {
+    let place = |point: &Point| Some((key.value(point.place[0]), request.signed(point.value()?)));
+    let mut points: Vec<(&Point, (f64, f64))> =
+        found.points.iter().filter_map(|point| Some((point, place(point)?))).collect();
+    points.sort_by(|one, other| one.1.0.total_cmp(&other.1.0));
+    let line = Curve::new("", BLUE, Mark::Line(1.2), points.iter().map(|(_, place)| *place));
+    let kept = |is_kept: bool| {
+        points.iter().filter(move |(point, _)| point.feasible().is_some() == is_kept).copied()
+    };
+    let best = place(&found.best).map(|place| (&found.best, place));
+    let curves = [
+        Some(line.broken_at_jumps()),
+        dots(request, ("runs", BLUE, 6.0), kept(true)),
+        dots(request, ("runs that break a constraint", BLACK, 5.0), kept(false)),
+        dots(request, ("the best point", VERMILION, 10.0), best.into_iter()),
+    ];
+    let up = Axis::linear(request.quantity.as_str(), FITTING, 7);
+    Chart { height: 420, ..Chart::new("", axis(key), up, curves.into_iter().flatten().collect()) }
+}
+
+/// The grid over two keys with all runs; with more keys, each cell has the best value over the others, if a point keeps the
 /// constraints.
-pub(super) fn grid_cells(found: &Found, request: &Request<'_>) -> Vec<Option<f64>> {
+fn map(found: &Found, request: &Request<'_>, keys: [&Range; 2]) -> Chart {
     let count = request.grid;
     let others = count.pow(u32::try_from(request.ranges.len()).unwrap_or(2) - 2);
-    found.points[..count * count * others]
-        .chunks_exact(others)
-        .map(|points| {
-            points.iter().filter_map(Point::feasible).reduce(f64::max).map(|value| request.signed(value))
-        })
-        .collect()
+    let (grid, searched) = found.points.split_at(count * count * others);
+    let best = |points: &[Point]| points.iter().filter_map(Point::feasible).reduce(f64::max);
+    let cells = grid.chunks_exact(others).map(|points| best(points).map(|value| request.signed(value)));
+    let part = |index: usize| index as f64 / (count - 1) as f64;
+    let middles = keys.map(|key| (0..count).map(|index| key.value(part(index))).collect());
+    let scale = Axis::linear(request.quantity.as_str(), FITTING, 8);
+    let mut chart = Chart::map(keys.map(axis), middles, scale, cells.collect());
+    for told in chart.field.iter_mut().flat_map(|field| &mut field.tells) {
+        match told {
+            Told::Column(title, _) => title.clone_from(&keys[0].key),
+            Told::Row(title, _) => title.clone_from(&keys[1].key),
+            Told::Cell(..) | Told::Text(..) => {}
+        }
+    }
+    let place = |point: &Point| (keys[0].value(point.place[1]), keys[1].value(point.place[0]));
+    let searched = searched.iter().map(|point| (point, place(point)));
+    let best = std::iter::once((&found.best, place(&found.best)));
+    let runs = dots(request, ("runs of the searches", BLACK, 4.0), searched);
+    chart.curves.extend(runs.into_iter().chain(dots(request, ("the best point", VERMILION, 12.0), best)));
+    let white = "white: no point of the grid has a value there and keeps the constraints";
+    let notes = [
+        chart.has_white().then_some(white),
+        (others > 1).then_some("each cell has the best value of the grid over the other keys"),
+    ];
+    Chart { note: notes.into_iter().flatten().collect::<Vec<_>>().join("; "), ..chart }
 }
 
-/// The value at a part of the way over a range, or beyond its ends.
-pub(super) fn value_beyond(range: &Range, part: f64) -> f64 {
-    let [low, high] = [axis(range, range.low), axis(range, range.high)];
-    let place = low + part * (high - low);
-    if range.is_logarithmic { 10f64.powf(place) } else { place }
-}
-
-/// The grid over two keys; with more, each cell has the best value over the others.
-fn map(area: &Area<'_>, found: &Found, request: &Request<'_>, [up, across]: [&Range; 2]) -> Drawn {
-    let count = request.grid;
-    let cells = grid_cells(found, request);
-    let (low, high) = extremes(cells.iter().flatten().copied());
-    let (body, scale) = area.split_horizontally(SIZE.0.cast_signed() - 150);
-    let half = 0.5 / (count - 1) as f64;
-    let edge = |key: &Range, part: f64| {
-        let (low, high) = (axis(key, key.low), axis(key, key.high));
-        low + part * (high - low)
+/// The value of each run in their order, and the best so far.
+fn history(found: &Found, request: &Request<'_>) -> Chart {
+    let grid = request.grid.pow(request.ranges.len() as u32);
+    let numbered =
+        || found.points.iter().enumerate().map(|(index, point)| (index, (index + 1) as f64, point));
+    let of = |is_grid: bool, is_kept: bool| {
+        numbered()
+            .filter(move |(index, _, point)| {
+                (*index < grid) == is_grid && point.feasible().is_some() == is_kept
+            })
+            .filter_map(|(_, number, point)| Some((point, (number, request.signed(point.value()?)))))
     };
-    let span = |key: &Range| edge(key, -half)..edge(key, 1.0 + half);
-    let mut chart = ChartBuilder::on(&body)
-        .margin(10)
-        .x_label_area_size(40)
-        .y_label_area_size(90)
-        .build_cartesian_2d(span(across), span(up))?;
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .x_desc(label_of_key(&across.key))
-        .y_desc(label_of_key(&up.key))
-        .label_style(LABEL)
-        .x_label_formatter(&|x| label(across, *x))
-        .y_label_formatter(&|y| label(up, *y))
-        .draw()?;
-    chart.draw_series(cells.iter().enumerate().filter_map(|(index, value)| {
-        let part = |index: usize| index as f64 / (count - 1) as f64;
-        let (x, y) = (part(index % count), part(index / count));
-        let corners =
-            [(edge(across, x - half), edge(up, y - half)), (edge(across, x + half), edge(up, y + half))];
-        Some(Rectangle::new(corners, shade((*value)?, low, high).filled()))
-    }))?;
-    let point = (edge(across, found.best.place[1]), edge(up, found.best.place[0]));
-    chart.draw_series([Circle::new(point, 7, WHITE.filled()), Circle::new(point, 5, VERMILION.filled())])?;
-    colour_bar(&scale, &request.quantity, [low, high])
+    let mut best: Option<f64> = None;
+    let mut steps = Vec::new();
+    for (_, number, point) in numbered() {
+        best = best.into_iter().chain(point.feasible()).reduce(f64::max);
+        if let Some(best) = best {
+            steps.push((number, request.signed(best)));
+        }
+    }
+    let curves = [
+        // Below the runs, which the pointer then finds first.
+        Some(Curve::new("the best so far", VERMILION, Mark::Line(1.6), steps)),
+        dots(request, ("grid", BLUE, 5.0), of(true, true)),
+        dots(request, ("searches", GREEN, 5.0), of(false, true)),
+        dots(request, ("runs that break a constraint", BLACK, 4.0), of(true, false).chain(of(false, false))),
+    ];
+    let across = Axis::linear("run", [1.0, found.points.len() as f64], 8);
+    let up = Axis::linear(request.quantity.as_str(), FITTING, 6);
+    Chart::new("the way of the search", across, up, curves.into_iter().flatten().collect())
 }

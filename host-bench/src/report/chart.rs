@@ -1,180 +1,321 @@
-//! Error against run time as a picture.
+//! A chart as data: axes, curves and cells of colours. [`super::draw`] makes an SVG of it, [`super::page`] an interactive page.
 
-use plotters::prelude::*;
+use plotters::style::RGBColor;
 
-use super::plot::{Axis, Curve, Mark, Plot};
-use super::svg::{self, Area, Drawn, FONT, power_of_ten, svg};
-use crate::method::{Math, Precision};
-use crate::work_precision::table::resistance;
-use crate::work_precision::triboelectric::method_name;
-use crate::work_precision::{Comparison, Variant};
+use super::svg::{extremes, linear_ticks, logarithmic_label, logarithmic_ticks, range, shade, tick};
 
-/// Width and height of the picture.
-const SIZE: (u32, u32) = (980, 520);
-/// Width of the legend at the right.
-const LEGEND: i32 = 250;
-/// Titles of the axes.
-const TITLES: [&str; 2] = ["host time per simulated second [µs]", "relative error of mean power"];
-
-struct Series {
-    name: String,
-    colour: RGBColor,
-    dashed: bool,
-    /// Host µs per simulated second, error of mean power.
-    points: Vec<(f64, f64)>,
-    /// The step or tolerance of each.
-    notes: Vec<String>,
+/// An axis: its title and its span.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Axis {
+    /// The quantity with its unit.
+    pub(crate) title: String,
+    /// Its first and its last value.
+    pub(crate) span: [f64; 2],
+    /// Approximate number of labels.
+    ticks: usize,
+    pub(super) is_logarithmic: bool,
+    /// The numbers at places from 0 to 1 at equal distances, of an axis whose values are such places.
+    pub(super) numbers: Option<Vec<f64>>,
 }
 
-/// The picture as SVG text.
-pub(super) fn draw(comparison: &Comparison) -> Result<String, String> {
-    let series = series(comparison);
-    svg(SIZE, |area| {
-        let (left, right) = area.split_horizontally(i32::try_from(SIZE.0).unwrap_or(0) - LEGEND);
-        curves(&left, &series, comparison)?;
-        legend(&right, &series)
-    })
-}
+/// The span of an ordinate that holds the points of its chart. An end that is no number holds the points too.
+pub(crate) const FITTING: [f64; 2] = [f64::NAN; 2];
+pub(crate) const FROM_ZERO: [f64; 2] = [0.0, f64::NAN];
 
-/// The same as a plot for a page.
-pub(super) fn plot(comparison: &Comparison) -> Plot {
-    let series = series(comparison);
-    let all = || series.iter().flat_map(|series| &series.points);
-    let (left, right) = decades(all().map(|point| point.0));
-    let (low, high) = decades(all().map(|point| point.1));
-    let curves = series.iter().flat_map(|series| {
-        let [line, dots] = match series.dashed {
-            true => [Mark::Dashes(2.0), Mark::Rings(8.0)],
-            false => [Mark::Line(2.0), Mark::Dots(8.0)],
-        };
-        let curve = |name: &str, mark| Curve::new(name, series.colour, mark, series.points.iter().copied());
-        [curve(&series.name, line).with_notes(series.notes.clone()), curve("", dots)]
-    });
-    Plot {
-        title: title(comparison),
-        across: Axis::logarithmic(TITLES[0], [left, right]),
-        up: Axis::logarithmic(TITLES[1], [low, high]),
-        curves: curves.collect(),
+impl Axis {
+    /// Equal distances for equal differences.
+    pub(crate) fn linear(title: impl Into<String>, span: [f64; 2], ticks: usize) -> Self {
+        Self { title: title.into(), span, ticks, is_logarithmic: false, numbers: None }
     }
-}
 
-fn title(comparison: &Comparison) -> String {
-    format!("{}, R = {}", comparison.file(), resistance(comparison.scene.load.resistance_ohm()))
-}
-
-/// The curves: one for each method and precision. Rows with other elementary functions than the polynomials, and rows with
-/// an error above 1, are in the table only.
-fn series(comparison: &Comparison) -> Vec<Series> {
-    let mut series: Vec<Series> = Vec::new();
-    for row in &comparison.rows {
-        let Some(found) = &row.found else { continue };
-        let Some(error) = comparison.error(row) else { continue };
-        if error > 1.0 || row.variant.math.is_some_and(|math| math != Math::Polynomial) {
-            continue;
-        }
-        let name = name(&row.variant);
-        let place = series.iter().position(|series| series.name == name).unwrap_or_else(|| {
-            series.push(Series {
-                name,
-                colour: colour(method_name(&row.variant)),
-                dashed: row.variant.precision == Precision::F32,
-                points: Vec::new(),
-                notes: Vec::new(),
-            });
-            series.len() - 1
-        });
-        // In the order of their times.
-        let Series { points, notes, .. } = &mut series[place];
-        let time = found.ns_per_s / 1e3;
-        let at = points.partition_point(|point| point.0 <= time);
-        points.insert(at, (time, error.max(1e-16)));
-        notes.insert(at, format!("step or tolerance: {}", row.variant.control));
+    /// Equal distances for equal ratios.
+    pub(crate) fn logarithmic(title: impl Into<String>, span: [f64; 2]) -> Self {
+        Self { title: title.into(), span, ticks: 12, is_logarithmic: true, numbers: None }
     }
-    series
-}
 
-fn name(variant: &Variant) -> String {
-    format!("{}, {}", method_name(variant), variant.precision.name())
-}
-
-fn colour(method: &str) -> RGBColor {
-    match method {
-        "exponential Radau" => svg::BLACK,
-        "exponential Radau, fixed step" => svg::PURPLE,
-        "TR-BDF2" => svg::BLUE,
-        "TR-BDF2, fixed step" => svg::ORANGE,
-        "RK4, fixed step" => svg::VERMILION,
-        _ => svg::GREEN,
+    /// Equal distances for equal ratios if `is_logarithmic`, else for equal differences.
+    pub(crate) fn scaled(is_logarithmic: bool, title: impl Into<String>, span: [f64; 2]) -> Self {
+        if is_logarithmic { Self::logarithmic(title, span) } else { Self::linear(title, span, 8) }
     }
-}
 
-/// The whole decades that hold the values.
-fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = svg::extremes(values);
-    if !(high > 0.0) {
-        return (0.97e-1, 1.03);
+    /// Places from 0 to 1 with these numbers at equal distances.
+    pub(crate) fn of_numbers(title: impl Into<String>, numbers: Vec<f64>) -> Self {
+        Self { numbers: Some(numbers), ..Self::linear(title, [0.0, 1.0], 8) }
     }
-    let (low, high) = (low.log10().floor(), high.log10().ceil());
-    // A little wider than the decades, so that both ends have ticks.
-    (0.97 * 10f64.powf(low), 1.03 * 10f64.powf(if high > low { high } else { low + 1.0 }))
-}
 
-fn curves(area: &Area<'_>, series: &[Series], comparison: &Comparison) -> Drawn {
-    let all = || series.iter().flat_map(|series| series.points.iter().copied());
-    let (left, right) = decades(all().map(|point| point.0));
-    let (low, high) = decades(all().map(|point| point.1));
-    let mut chart = ChartBuilder::on(area)
-        .caption(title(comparison), (FONT, 18))
-        .margin(12)
-        .x_label_area_size(52)
-        .y_label_area_size(78)
-        .build_cartesian_2d((left..right).log_scale(), (low..high).log_scale())?;
-    chart
-        .configure_mesh()
-        .x_desc(TITLES[0])
-        .y_desc(TITLES[1])
-        .x_labels(8)
-        .y_labels(10)
-        .label_style((FONT, 15))
-        .axis_desc_style((FONT, 16))
-        .bold_line_style(RGBColor(205, 210, 216))
-        .light_line_style(RGBColor(240, 242, 244))
-        .x_label_formatter(&|x| power_of_ten(x.log10()))
-        .y_label_formatter(&|y| power_of_ten(y.log10()))
-        .draw()?;
-    for series in series {
-        let points = series.points.iter().copied();
-        if series.dashed {
-            chart.draw_series(DashedLineSeries::new(points, 6, 4, series.colour.stroke_width(2)))?;
+    /// The place of a value on a linear scale.
+    pub(super) fn place(&self, value: f64) -> f64 {
+        if self.is_logarithmic { value.log10() } else { value }
+    }
+
+    /// Places of both ends.
+    pub(super) fn ends(&self) -> [f64; 2] {
+        self.span.map(|value| self.place(value))
+    }
+
+    /// Places of the ticks.
+    pub(super) fn places(&self) -> Vec<f64> {
+        let [first, last] = self.ends();
+        if self.is_logarithmic {
+            logarithmic_ticks(first, last, self.ticks)
         } else {
-            chart.draw_series(LineSeries::new(points, series.colour.stroke_width(2)))?;
+            linear_ticks(first, last, self.ticks)
         }
-        let fill = if series.dashed { WHITE.filled() } else { series.colour.filled() };
-        chart.draw_series(series.points.iter().map(|point| Circle::new(*point, 4, fill)))?;
-        chart.draw_series(
-            series.points.iter().map(|point| Circle::new(*point, 4, series.colour.stroke_width(2))),
-        )?;
     }
-    Ok(())
+
+    /// The number at a place among all of them.
+    pub(super) fn label(&self, place: f64, all: &[f64]) -> String {
+        if let Some(numbers) = &self.numbers {
+            // On the line between two.
+            let at = place.clamp(0.0, 1.0) * (numbers.len() - 1) as f64;
+            let below = (at as usize).min(numbers.len() - 2);
+            let rise = numbers[below + 1] - numbers[below];
+            return format!("{:.2}", numbers[below] + (at - below as f64) * rise);
+        }
+        if self.is_logarithmic { logarithmic_label(place, all) } else { tick(place) }
+    }
+
+    /// Edges of the cells around these values, of which there are at least two.
+    fn edges(&self, middles: &[f64]) -> Vec<f64> {
+        let at = |index: usize| self.place(middles[index]);
+        let between = |index: usize| 0.5 * (at(index) + at(index + 1));
+        let last = middles.len() - 1;
+        let inner = (0..last).map(between);
+        let all = std::iter::once(2.0 * at(0) - between(0)).chain(inner);
+        let all = all.chain([2.0 * at(last) - between(last - 1)]);
+        all.map(|place| if self.is_logarithmic { 10f64.powf(place) } else { place }).collect()
+    }
 }
 
-fn legend(area: &Area<'_>, series: &[Series]) -> Drawn {
-    let mut height = 60;
-    for series in series {
-        let line = |from: i32, to: i32| {
-            PathElement::new(vec![(from, height), (to, height)], series.colour.stroke_width(2))
-        };
-        if series.dashed {
-            area.draw(&line(4, 12))?;
-            area.draw(&line(24, 32))?;
-        } else {
-            area.draw(&line(4, 32))?;
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Mark {
+    /// A line through the points, of this width.
+    Line(f64),
+    /// A dashed line through them, of this width.
+    Dashes(f64),
+    /// A dot for each, of this diameter.
+    Dots(f64),
+    /// A ring around each, of this diameter.
+    Rings(f64),
+    /// A line of this width with a dot of this diameter at each.
+    Dotted([f64; 2]),
+    /// A dashed line with rings.
+    Ringed([f64; 2]),
+}
+
+impl Mark {
+    /// The mark of the line, and that of each point.
+    pub(super) fn parts(self) -> [Option<Self>; 2] {
+        match self {
+            Self::Line(_) | Self::Dashes(_) => [Some(self), None],
+            Self::Dots(_) | Self::Rings(_) => [None, Some(self)],
+            Self::Dotted([line, dot]) => [Some(Self::Line(line)), Some(Self::Dots(dot))],
+            Self::Ringed([line, dot]) => [Some(Self::Dashes(line)), Some(Self::Rings(dot))],
         }
-        let fill = if series.dashed { WHITE.filled() } else { series.colour.filled() };
-        area.draw(&Circle::new((18, height), 4, fill))?;
-        area.draw(&Circle::new((18, height), 4, series.colour.stroke_width(2)))?;
-        area.draw(&Text::new(series.name.clone(), (40, height - 8), (FONT, 15).into_font()))?;
-        height += 26;
     }
-    Ok(())
+
+    /// Width or diameter of one of its parts.
+    pub(super) fn size(self) -> f64 {
+        match self {
+            Self::Line(size) | Self::Dashes(size) | Self::Dots(size) | Self::Rings(size) => size,
+            Self::Dotted([line, _]) | Self::Ringed([line, _]) => line,
+        }
+    }
+}
+
+/// Points with a colour and a mark.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Curve {
+    /// Name in the legend; empty for a curve that the legend does not have.
+    pub(crate) name: String,
+    pub(crate) colour: RGBColor,
+    pub(crate) mark: Mark,
+    /// A line has a gap at a point that is not a number.
+    pub(crate) points: Vec<(f64, f64)>,
+    /// For each point half the length of its vertical bar, such as a standard deviation; empty without bars.
+    pub(crate) bars: Vec<f64>,
+    /// For each point what a page says of it besides its values; empty without.
+    pub(crate) notes: Vec<String>,
+}
+
+/// Least part of the height of a curve that a jump has, and how much larger than the differences beside it it is.
+const JUMP: [f64; 2] = [0.08, 5.0];
+
+impl Curve {
+    pub(crate) fn new(
+        name: impl Into<String>,
+        colour: RGBColor,
+        mark: Mark,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        let points = points.into_iter().collect();
+        Self { name: name.into(), colour, mark, points, bars: Vec::new(), notes: Vec::new() }
+    }
+
+    /// Points with a note each; nothing without a point.
+    pub(crate) fn noted(
+        name: &str,
+        colour: RGBColor,
+        mark: Mark,
+        points: impl Iterator<Item = ((f64, f64), String)>,
+    ) -> Option<Self> {
+        let (points, notes): (Vec<(f64, f64)>, Vec<String>) = points.unzip();
+        (!points.is_empty()).then(|| Self { notes, ..Self::new(name, colour, mark, points) })
+    }
+
+    /// The same with a gap at each jump: where two neighbours differ by much more than those beside them, a line between
+    /// them would be no measured slope.
+    pub(crate) fn broken_at_jumps(self) -> Self {
+        let points = &self.points;
+        let (low, high) = extremes(points.iter().map(|point| point.1));
+        let difference = |index: Option<usize>| {
+            let pair = index.and_then(|index| Some([points.get(index)?.1, points.get(index + 1)?.1]));
+            pair.map_or(0.0, |[one, next]| (next - one).abs())
+        };
+        let jumps = |index: usize| {
+            let beside = difference(index.checked_sub(1)).max(difference(Some(index + 1)));
+            let here = difference(Some(index));
+            here > JUMP[0] * (high - low) && here > JUMP[1] * beside
+        };
+        // Fewer points have no neighbours to compare with.
+        if points.len() < 5 {
+            return self;
+        }
+        let mut broken = Vec::with_capacity(points.len());
+        for (index, point) in points.iter().enumerate() {
+            broken.push(*point);
+            if jumps(index) {
+                broken.push((f64::NAN, f64::NAN));
+            }
+        }
+        Self { points: broken, ..self }
+    }
+}
+
+/// Cells between the edges of columns and rows; the columns run fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Field {
+    /// Edges on the abscissa and on the ordinate, rising, one more than columns and rows.
+    pub(super) edges: [Vec<f64>; 2],
+    /// What the colour of each cell is of; a cell without is white.
+    pub(super) values: Vec<Option<f64>>,
+    /// The quantity of the values, and those of the first and of the last colour.
+    pub(super) scale: Axis,
+    /// What the pointer tells of a cell: values of its column, of its row, and of itself.
+    pub(crate) tells: Vec<Told>,
+}
+
+/// What the pointer tells: a quantity with its unit in brackets, and its value.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Told {
+    /// Of each column.
+    Column(String, Vec<f64>),
+    /// Of each row.
+    Row(String, Vec<f64>),
+    /// Of each cell.
+    Cell(String, Vec<Option<f64>>),
+    /// Of each cell one of these texts, by its index.
+    Text(&'static [&'static str], Vec<usize>),
+}
+
+/// Colours from the least to the largest value.
+pub(super) const SHADES: usize = 64;
+
+/// One of the colours.
+pub(super) fn colour(shade_index: usize) -> RGBColor {
+    shade(shade_index as f64, 0.0, (SHADES - 1) as f64)
+}
+
+impl Field {
+    /// The index of the colour of each cell.
+    pub(super) fn shades(&self) -> Vec<Option<usize>> {
+        let [least, most] = self.scale.ends();
+        let index = |value: &Option<f64>| {
+            let place = self.scale.place((*value)?);
+            let part = if most > least { (place - least) / (most - least) } else { 0.5 };
+            Some((part.clamp(0.0, 1.0) * (SHADES - 1) as f64).round() as usize)
+        };
+        self.values.iter().map(index).collect()
+    }
+}
+
+/// Curves, and cells of colours below them, over two axes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Chart {
+    pub(crate) title: String,
+    pub(crate) across: Axis,
+    pub(crate) up: Axis,
+    pub(crate) curves: Vec<Curve>,
+    pub(crate) field: Option<Field>,
+    /// Whether curves are drawn in the order of their points, such as orbits; else over rising abscissae.
+    pub(crate) is_orbit: bool,
+    /// What is said of it.
+    pub(crate) note: String,
+    /// In pixels.
+    pub(crate) height: u32,
+    /// Whether it has half of the width of an SVG.
+    pub(crate) is_half: bool,
+    /// Whether an SVG does not have it.
+    pub(crate) is_of_page: bool,
+    /// Charts of one group show the same part of the abscissa.
+    pub(crate) group: String,
+}
+
+impl Chart {
+    /// Curves over axes, of which the ordinate may be [`FITTING`] or [`FROM_ZERO`].
+    pub(crate) fn new(title: impl Into<String>, across: Axis, mut up: Axis, curves: Vec<Curve>) -> Self {
+        let ordinates = || curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
+        let (low, high) = if ordinates().any(f64::is_finite) { range(ordinates()) } else { (0.0, 1.0) };
+        let [first, last] = up.span;
+        up.span = [if first.is_nan() { low } else { first }, if last.is_nan() { high } else { last }];
+        // Values that are all 0 have no range of their own.
+        if up.span[1] - up.span[0] < 1e-250 && first.is_finite() && last.is_nan() {
+            up.span[1] = up.span[0] + 1.0;
+        }
+        Self {
+            title: title.into(),
+            across,
+            up,
+            curves,
+            field: None,
+            is_orbit: false,
+            note: String::new(),
+            height: 320,
+            is_half: false,
+            is_of_page: false,
+            group: String::new(),
+        }
+    }
+
+    /// Cells around the values of both axes, which rise, with the quantity of their values.
+    pub(crate) fn map(
+        [mut across, mut up]: [Axis; 2],
+        [columns, rows]: [Vec<f64>; 2],
+        mut scale: Axis,
+        values: Vec<Option<f64>>,
+    ) -> Self {
+        let (least, most) = extremes(values.iter().flatten().copied());
+        if scale.span[1].is_nan() {
+            scale.span = if least <= most { [least, most] } else { [0.0; 2] };
+        }
+        let edges = [across.edges(&columns), up.edges(&rows)];
+        [across.span, up.span] = edges.each_ref().map(|edges| [edges[0], edges[edges.len() - 1]]);
+        let tells = vec![
+            Told::Column(across.title.clone(), columns),
+            Told::Row(up.title.clone(), rows),
+            Told::Cell(scale.title.clone(), values.clone()),
+        ];
+        let field = Some(Field { edges, values, scale, tells });
+        Self { field, height: 560, ..Self::new("", across, up, Vec::new()) }
+    }
+
+    /// Whether it has a cell without a value.
+    pub(crate) fn has_white(&self) -> bool {
+        self.field.as_ref().is_some_and(|field| field.values.iter().any(Option::is_none))
+    }
+
+    /// The same of a group, with a height in pixels.
+    pub(crate) fn grouped(self, group: &str, height: u32) -> Self {
+        Self { group: group.to_owned(), height, ..self }
+    }
 }

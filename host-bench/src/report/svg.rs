@@ -23,6 +23,8 @@ pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
 pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
 pub(crate) const PURPLE: RGBColor = RGBColor(204, 121, 167);
 pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
+/// Those of curves of one kind, one after the other.
+pub(crate) const COLOURS: [RGBColor; 6] = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, BLACK];
 
 /// Lines of the grid.
 pub(crate) const GRID: RGBColor = RGBColor(224, 228, 232);
@@ -40,16 +42,9 @@ pub(crate) fn svg(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Drawn) -> Re
     Ok(text)
 }
 
-/// Pictures at their places in one.
-pub(crate) fn together((width, height): (u32, u32), parts: &[(u32, u32, String)]) -> String {
-    let mut text = format!(
-        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
-         xmlns=\"http://www.w3.org/2000/svg\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n"
-    );
-    for (left, top, svg) in parts {
-        text += &svg.replacen("<svg ", &format!("<svg x=\"{left}\" y=\"{top}\" "), 1);
-    }
-    text + "</svg>\n"
+/// A colour as CSS has it.
+pub(crate) fn hex(RGBColor(red, green, blue): RGBColor) -> String {
+    format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
 /// A number with three digits, without trailing zeros.

@@ -8,17 +8,15 @@ use super::harvester::Kind;
 use super::plant::Run;
 use super::timeline::{Course, Timeline};
 use crate::method::Failure;
-use crate::report::charts::{Charts, HINT, Look};
-use crate::report::html::document;
-use crate::report::plot::{Axis, Curve, Mark, Plot, draw};
-use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION};
+use crate::report::Picture;
+use crate::report::chart::{Axis, Chart, Curve, FROM_ZERO, Mark};
+use crate::report::svg::{BLACK, COLOURS};
 
 const HOURS: usize = 24;
-const COLOURS: [RGBColor; 6] = [BLUE, GREEN, VERMILION, ORANGE, PURPLE, BLACK];
 
-/// The plots of a random day of a harvester as designed, with an nRF52832, 10 mF, and a standing power that is off by up to
+/// A random day of a harvester as designed, with an nRF52832, 10 mF, and a standing power that is off by up to
 /// 20 %.
-pub(crate) fn plots(kind: Kind) -> Result<Vec<Plot>, Failure> {
+pub(crate) fn picture(kind: Kind) -> Result<Picture, Failure> {
     let line = Timeline::new(kind, true, Course::Random, HOURS, 1)?;
     let setup = Setup {
         processor: Processor::named("nrf52832").expect("a part"),
@@ -48,44 +46,22 @@ pub(crate) fn plots(kind: Kind) -> Result<Vec<Plot>, Failure> {
     };
     let truth = true_hours.enumerate().map(|(hour, energy)| (hour as f64 + 0.5, scale / 3.6 * energy));
     let truth = Curve::new("true", BLACK, Mark::Rings(7.0), truth);
-    let plot = |title: &str, up: &str, first: Option<Curve>, of: &dyn Fn(&Run) -> Vec<(f64, f64)>| {
+    let chart = |title: &str, up: &str, first: Option<Curve>, of: &dyn Fn(&Run) -> Vec<(f64, f64)>| {
         let of_run = |((name, run), colour): (&(Name, Run), RGBColor)| {
             let points = of(run);
             let curve = Curve::new(format!("{name:?}").to_lowercase(), colour, Mark::Line(1.5), points);
             Some(curve).filter(|curve| curve.points.iter().any(|point| point.1 > 0.0))
         };
-        let curves: Vec<Curve> =
-            first.into_iter().chain(runs.iter().zip(COLOURS).filter_map(of_run)).collect();
-        let highest = curves.iter().flat_map(|curve| &curve.points).map(|point| point.1).fold(1e-9, f64::max);
-        Plot {
-            title: title.to_owned(),
-            across: Axis::linear("hour of the day", [0.0, HOURS as f64], 13),
-            up: Axis::linear(up, [0.0, 1.06 * highest], 6),
-            curves,
-        }
+        let curves = first.into_iter().chain(runs.iter().zip(COLOURS).filter_map(of_run)).collect();
+        let across = Axis::linear("hour of the day", [0.0, HOURS as f64], 13);
+        Chart::new(title, across, Axis::linear(up, FROM_ZERO, 6), curves).grouped("hours", 320)
     };
-    Ok(vec![
-        plot("Income of each hour", "mean power [µW]", Some(truth), &told),
-        plot("Storage", "stored energy [mJ]", None, &stored),
-        plot("Actions", "actions since midnight", None, &acted),
-        plot("Knowing the income", "mean power [nW]", None, &knowing),
-    ])
-}
-
-/// The plots as SVG text.
-pub(crate) fn svg(plots: &[Plot]) -> Result<String, Failure> {
-    draw((980, 320 * plots.len() as u32), plots)
-        .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))
-}
-
-/// A page with charts to zoom into; the picture stands there where scripts are switched off.
-pub(crate) fn page(plots: &[Plot]) -> Result<String, Failure> {
-    let mut charts = Charts::default();
-    let mut body = format!("<h1>A day of a node by each strategy</h1>\n{HINT}");
-    for plot in plots {
-        body += &charts.place(plot, Look { height: 260, group: Some("hours") });
-    }
-    body += &format!("<noscript><figure>{}</figure></noscript>\n", svg(plots)?);
-    body += &charts.scripts();
-    Ok(document("A day of a node by each strategy", &body))
+    let charts = vec![
+        chart("Income of each hour", "mean power [µW]", Some(truth), &told),
+        chart("Storage", "stored energy [mJ]", None, &stored),
+        chart("Actions", "actions since midnight", None, &acted),
+        chart("Knowing the income", "mean power [nW]", None, &knowing),
+    ];
+    let title = "A day of a node by each strategy".to_owned();
+    Ok(Picture { title, width: 980, charts, ..Picture::default() })
 }

@@ -2,13 +2,47 @@
 
 use std::fmt::Write;
 
-use super::map::{Axis, Map, STEP};
+use clap::ValueEnum as _;
+
 use super::summary::{causes, classes, statements};
-use super::{Case, Row};
-use crate::report::html::{document, escaped};
+use super::{Case, Class, Row};
+use crate::method::Precision;
+use crate::outcome::name;
+use crate::report::page::{Page, escaped};
+use crate::report::svg::{power_of_ten, tick};
 
 /// The file beside the page that has a row for each case.
 pub(crate) const CASES: &str = "cases.csv";
+
+/// A quantity of a case.
+#[derive(Debug, Clone, Copy)]
+struct Axis {
+    /// The quantity with its unit.
+    title: &'static str,
+    /// The key of the scene, or [`STEP`].
+    key: &'static str,
+}
+
+/// The key of the option `--step`.
+const STEP: &str = "--step";
+
+/// Which cases a map shows: those of a scene with both quantities.
+#[derive(Debug, Clone, Copy)]
+struct Map {
+    /// The beginning of the name of the shipped scene.
+    scene: &'static str,
+    across: Axis,
+    up: Axis,
+}
+
+/// The default of `--step`, below every step.
+const DEFAULT: f64 = f64::NEG_INFINITY;
+
+impl Axis {
+    fn value(&self, case: &Case) -> Option<f64> {
+        if self.key == STEP { Some(case.step_s.unwrap_or(DEFAULT)) } else { case.number(self.key) }
+    }
+}
 
 const RESISTANCE: Axis = Axis { title: "load resistance [Ω]", key: "load.resistance_ohm" };
 const DENSITY: Axis = Axis { title: "charge density [C/m²]", key: "parameters.charge_density_c_per_m2" };
@@ -33,51 +67,152 @@ const MAPS: [Map; 8] = [
 
 /// The page as HTML. The rows are those of the cases, in their order.
 pub(crate) fn page(cases: &[Case], rows: &[Row]) -> String {
-    let mut body = String::from("<h1>Stiff and extreme scenes</h1>\n");
-    let _ = writeln!(
-        body,
+    let mut page = Page::new("Stiff and extreme scenes");
+    page.add(&format!(
         "<p>{} runs, each judged with its accuracy statement by a more accurate run. Each run is a row of \
-         <a href=\"{CASES}\">{CASES}</a>, with the arguments that repeat it.</p>",
+         <a href=\"{CASES}\">{CASES}</a>, with the arguments that repeat it.</p>\n",
         rows.len()
-    );
-    body.push_str(&table(&classes(rows)));
-    body.push_str(&table(&statements(rows)));
+    ));
+    page.table_of(&classes(rows), 1);
+    page.table_of(&statements(rows), 1);
     let causes = causes(rows);
     if causes.len() > 1 {
-        body.push_str("<h2>Named errors by cause</h2>\n");
-        body.push_str(&table(&causes));
+        page.add("<h2>Named errors by cause</h2>\n");
+        page.table_of(&causes, 1);
     }
     for map in MAPS {
-        if let Some(svg) = map.svg(cases, rows) {
+        if let Some(tables) = map.tables(cases, rows) {
             let title = format!("{}: {} against {}", map.scene, map.across.title, map.up.title);
-            let _ = writeln!(body, "<h2>{}</h2>\n<figure>{}</figure>", escaped(&title), svg.trim_end());
-            let note =
-                "A cell holds every case with both values; the width of a colour is the share of the class.";
-            let _ = writeln!(body, "<p class=\"note\">{note}</p>");
+            page.add(&format!("<h2>{}</h2>\n{tables}", escaped(&title)));
+            page.note(
+                "A cell holds every case with both values; the width of a colour is the share of the class.",
+            );
         }
     }
     let failing: Vec<&Row> = rows.iter().filter(|row| row.class.is_failure()).collect();
     if !failing.is_empty() {
-        body.push_str("<h2>Wrong and broken</h2>\n");
+        page.add("<h2>Wrong and broken</h2>\n");
         for row in failing {
             let (reason, arguments) = (escaped(&row.reason), escaped(&row.arguments));
-            let _ = writeln!(body, "<p>{reason}<br><code>{arguments}</code></p>");
+            page.add(&format!("<p>{reason}<br><code>{arguments}</code></p>\n"));
         }
     }
-    document("Stiff and extreme scenes", &body)
+    page.html()
 }
 
-/// A table of which the first row has the headings, and the columns but the first are numbers.
-fn table(rows: &[Vec<String>]) -> String {
-    let Some((heading, rows)) = rows.split_first() else { return String::new() };
-    let line = |row: &[String], tag: &str| {
-        let class = |index: usize| if index == 0 { "" } else { " class=\"number\"" };
-        let cells = row.iter().enumerate();
-        let cells = cells.map(|(index, cell)| format!("<{tag}{}>{}</{tag}>", class(index), escaped(cell)));
-        format!("<tr>{}</tr>\n", cells.collect::<String>())
-    };
-    let rows: String = rows.iter().map(|row| line(row, "td")).collect();
-    format!("<div class=\"wide\"><table>\n<thead>{}</thead>\n{rows}</table></div>\n", line(heading, "th"))
+/// How the tables of a map look.
+const STYLE: &str = "<style>.cells{width:auto}.cells td{min-width:1.6rem;height:1.2rem;padding:0;border:1px solid #fff}\
+.cells th{border:0;font-weight:normal;padding:0 .3rem}.cells caption,.cells tfoot th{text-align:center}\
+.swatch{display:inline-block;width:.8rem;height:.8rem;border:1px solid #57606a;margin:0 .3rem 0 1rem}</style>\n";
+
+impl Map {
+    /// A table for each precision, with a coloured cell for each pair of values; `None` where no case has both quantities. The
+    /// rows are those of the cases.
+    fn tables(&self, cases: &[Case], rows: &[Row]) -> Option<String> {
+        let of_scene = cases.iter().zip(rows).filter(|(case, _)| case.scene.starts_with(self.scene));
+        let points: Vec<([f64; 2], Precision, Class)> = of_scene
+            .filter_map(|(case, row)| {
+                Some(([self.across.value(case)?, self.up.value(case)?], case.precision, row.class))
+            })
+            .collect();
+        points.first()?;
+        let [columns, mut lines] = [0, 1].map(|index| values(points.iter().map(|(place, ..)| place[index])));
+        lines.reverse();
+        let mut text = format!("{STYLE}<p>");
+        for class in Class::value_variants() {
+            let word = name(class).replace('-', " ");
+            let _ =
+                write!(text, "<span class=\"swatch\" style=\"background:{}\"></span>{word}", colour(*class));
+        }
+        text += "</p>\n<div class=\"panels\">\n";
+        for precision in [Precision::F32, Precision::F64] {
+            let _ = writeln!(
+                text,
+                "<table class=\"cells\"><caption>{}</caption><tr><th>{}</th></tr>",
+                precision.name(),
+                escaped(self.up.title)
+            );
+            for up in &lines {
+                let _ = write!(text, "<tr><th>{}</th>", label(*up));
+                for across in &columns {
+                    let here =
+                        points.iter().filter(|(place, of, _)| *place == [*across, *up] && *of == precision);
+                    text += &self.cell([*across, *up], &here.map(|(.., class)| *class).collect::<Vec<_>>());
+                }
+                text += "</tr>\n";
+            }
+            let labels: String = columns.iter().map(|value| format!("<th>{}</th>", label(*value))).collect();
+            let (count, title) = (columns.len(), escaped(self.across.title));
+            let _ = writeln!(
+                text,
+                "<tfoot><tr><th></th>{labels}</tr><tr><th></th><th colspan=\"{count}\">{title}</th></tr></tfoot></table>"
+            );
+        }
+        Some(text + "</div>\n")
+    }
+
+    /// A cell with a part for each class, as wide as its share; the counts show where the pointer rests.
+    fn cell(&self, place: [f64; 2], classes: &[Class]) -> String {
+        let (mut counts, mut parts, mut from) = (Vec::new(), Vec::new(), 0.0);
+        for class in Class::value_variants() {
+            let count = classes.iter().filter(|found| *found == class).count();
+            if count > 0 {
+                let to = from + 100.0 * count as f64 / classes.len() as f64;
+                counts.push(format!("{count} {}", name(class).replace('-', " ")));
+                parts.push(format!("{} {from:.1}% {to:.1}%", colour(*class)));
+                from = to;
+            }
+        }
+        if counts.is_empty() {
+            return "<td></td>".to_owned();
+        }
+        let words = [&self.across, &self.up].into_iter().zip(place);
+        let words = words.map(|(axis, value)| format!("{} {}", axis.title, label(value)));
+        format!(
+            "<td title=\"{}: {}\" style=\"background:linear-gradient(to right,{})\"></td>",
+            escaped(&words.collect::<Vec<_>>().join(", ")),
+            counts.join(", "),
+            parts.join(",")
+        )
+    }
+}
+
+/// The different values, rising.
+fn values(all: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = all.collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
+}
+
+/// Colours of Okabe and Ito, and greys.
+fn colour(class: Class) -> &'static str {
+    match class {
+        Class::Right => "#009E73",
+        Class::Chaotic => "#0072B2",
+        Class::Undecided => "#F0E442",
+        Class::Warned => "#E69F00",
+        Class::Refused => "#D0D7DE",
+        Class::NamedError => "#8C959F",
+        Class::TooDear => "#56B4E9",
+        Class::Unjudged => "#CC79A7",
+        Class::Wrong => "#D55E00",
+        Class::Broken => "#000000",
+    }
+}
+
+/// A value on an axis: a power of ten as such.
+fn label(value: f64) -> String {
+    let exponent = value.log10();
+    if value == DEFAULT {
+        "default".to_owned()
+    } else if value == f64::INFINITY {
+        "∞".to_owned()
+    } else if value > 0.0 && (exponent - exponent.round()).abs() < 1e-9 && !(0.1..=10.0).contains(&value) {
+        power_of_ten(exponent)
+    } else {
+        tick(value)
+    }
 }
 
 #[cfg(test)]
@@ -128,16 +263,16 @@ mod tests {
             assert!(page.contains(part), "{part}: {page}");
         }
         // The other maps have no case.
-        assert_eq!(page.matches("<svg").count(), 1);
+        assert_eq!(page.matches("class=\"panels\"").count(), 1);
     }
 
     #[test]
     fn a_cell_is_in_the_panel_of_its_precision_at_its_values() {
         let (cases, rows) = judged();
-        let svg = MAPS[2].svg(&cases, &rows).expect("has cases");
-        let right = svg.find("1 right").expect("a cell");
-        let warned = svg.find("1 warned").expect("a cell");
-        assert!(right < warned, "f32 is drawn before f64: {svg}");
-        assert_eq!(svg.matches("<g>").count(), 4);
+        let tables = MAPS[2].tables(&cases, &rows).expect("has cases");
+        let right = tables.find("1 right").expect("a cell");
+        let warned = tables.find("1 warned").expect("a cell");
+        assert!(right < warned, "f32 stands before f64: {tables}");
+        assert_eq!(tables.matches("<td title=").count(), 4);
     }
 }

@@ -1,22 +1,13 @@
-//! The picture of a sweep: curves over one axis, a map over two.
-
-use plotters::prelude::*;
+//! The picture of a sweep: curves over one axis; over two a map, and on a page its rows as curves.
 
 use super::axis::Axis;
-use crate::report::colour_bar::colour_bar;
-use crate::report::label::label as label_of_key;
-use crate::report::plot::{self, Curve, Mark, Plot, height};
-use crate::report::setting::prefix;
-use crate::report::svg::{
-    Area, BLUE, Drawn, FONT, Ticked, VERMILION, extremes, linear_ticks, logarithmic_label, logarithmic_ticks,
-    shade, svg, tick,
-};
+use crate::report::Picture;
+use crate::report::chart::{self, Chart, Curve, FITTING, Mark};
+use crate::report::setting::{label, prefix};
+use crate::report::svg::{BLUE, VERMILION, shade, tick};
 
-/// Width and height of the picture.
-const SIZE: (u32, u32) = (900, 640);
-
-/// Font of the axes: whatever the viewer has for it.
-const LABEL: (&str, u32) = (FONT, 15);
+/// Most curves of one chart.
+const MOST: usize = 24;
 
 /// A quantity to draw: its name, its unit, and one value for each point, if there is one.
 #[derive(Debug, Clone)]
@@ -28,14 +19,14 @@ pub(in crate::command) struct Quantity {
 }
 
 impl Quantity {
-    /// Its name with the unit that its values are shown in, and the factor to it.
-    pub(super) fn scaled(&self) -> (String, f64) {
-        if self.unit.is_empty() {
-            return (self.name.to_owned(), 1.0);
-        }
-        let largest = self.values.iter().flatten().filter(|value| value.is_finite());
-        let (prefix, factor) = prefix(largest.fold(0.0, |largest, value| largest.max(value.abs())));
-        (format!("{} [{prefix}{}]", self.name, self.unit), factor)
+    /// Its name with the unit that its values are shown in, and the values in it, as far as they are finite.
+    fn scaled(&self) -> (String, Vec<Option<f64>>) {
+        let finite = || self.values.iter().map(|value| value.filter(|value| value.is_finite()));
+        let largest = finite().flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let (prefix, factor) = if self.unit.is_empty() { ("", 1.0) } else { prefix(largest) };
+        let values = finite().map(|value| value.map(|value| factor * value)).collect();
+        let unit = format!(" [{prefix}{}]", self.unit);
+        (format!("{}{}", self.name, if self.unit.is_empty() { "" } else { &unit }), values)
     }
 }
 
@@ -49,134 +40,81 @@ pub(in crate::command) struct Words<'a> {
     pub(in crate::command) marked: (&'a [bool], &'a str),
 }
 
-/// An SVG picture; `None` without values, without an axis of several values, or with more than two.
-pub(in crate::command) fn draw(
+/// The picture; `None` without values, without an axis of several values, or with more than two.
+pub(in crate::command) fn picture(
     words: Words<'_>,
     axes: &[Axis],
     quantities: &[Quantity],
-) -> Result<Option<String>, String> {
-    let (long, shown) = (long(axes), shown(quantities));
-    match (&long[..], &shown[..]) {
-        // The last axis runs fastest.
-        ([up, across], [quantity, ..]) => {
-            svg(SIZE, |area| map(area, words, [across, up], quantity)).map(Some)
+) -> Option<Picture> {
+    let long: Vec<&Axis> = axes.iter().filter(|axis| axis.count() > 1).collect();
+    let scaled: Vec<_> = quantities.iter().map(Quantity::scaled).collect();
+    let shown = || scaled.iter().filter(|(_, values)| values.iter().any(Option::is_some));
+    let charts: Vec<Chart> = match long[..] {
+        [axis] => shown().map(|quantity| curve(words, axis, quantity)).collect(),
+        // The last axis runs fastest, and goes across.
+        [rows, axis] => {
+            let families = shown().map(|quantity| family(rows, axis, quantity));
+            families.chain(shown().map(|quantity| map(words, [axis, rows], quantity))).collect()
         }
-        ([axis], [_, ..]) => {
-            let plots: Vec<Plot> = shown.iter().map(|quantity| curve(words, axis, quantity)).collect();
-            plot::draw(SIZE, &plots).map(Some)
-        }
-        _ => Ok(None),
-    }
+        _ => Vec::new(),
+    };
+    let title = words.title.to_owned();
+    (!charts.is_empty()).then_some(Picture { title, width: 900, charts, ..Picture::default() })
 }
 
-/// The axes of several values.
-pub(super) fn long(axes: &[Axis]) -> Vec<&Axis> {
-    axes.iter().filter(|axis| axis.count() > 1).collect()
-}
-
-/// The quantities that have a value.
-pub(super) fn shown(quantities: &[Quantity]) -> Vec<&Quantity> {
-    let has_value = |quantity: &&Quantity| quantity.values.iter().flatten().any(|value| value.is_finite());
-    quantities.iter().filter(has_value).collect()
-}
-
-/// An axis as that of a plot.
-pub(super) fn across(axis: &Axis) -> plot::Axis {
+/// An axis as that of a chart.
+fn across(axis: &Axis) -> chart::Axis {
     let span = [axis.value(0), axis.value(axis.count() - 1)];
-    match axis.logarithmic {
-        true => plot::Axis::logarithmic(label_of_key(&axis.key), span),
-        false => plot::Axis::linear(label_of_key(&axis.key), span, 8),
-    }
+    chart::Axis::scaled(axis.logarithmic, label(&axis.key), span)
 }
 
 /// A quantity over one axis. Its line has a gap where it jumps.
-pub(super) fn curve(words: Words<'_>, axis: &Axis, quantity: &Quantity) -> Plot {
-    let (name, factor) = quantity.scaled();
-    let points: Vec<(usize, (f64, f64))> = quantity
-        .values
-        .iter()
-        .enumerate()
-        .filter_map(|(index, value)| Some((index, (axis.value(index), factor * (*value)?))))
-        .filter(|(_, (_, value))| value.is_finite())
-        .collect();
-    let [line, dots] = Curve::dotted("", BLUE, [1.8, 6.0], points.iter().map(|(_, point)| *point));
-    let mut curves = vec![line.broken_at_jumps(), dots];
+fn curve(words: Words<'_>, axis: &Axis, (name, values): &(String, Vec<Option<f64>>)) -> Chart {
+    let point = |(index, value): (usize, &Option<f64>)| Some((index, (axis.value(index), (*value)?)));
+    let points: Vec<(usize, (f64, f64))> = values.iter().enumerate().filter_map(point).collect();
+    let line = Curve::new("", BLUE, Mark::Dotted([1.8, 6.0]), points.iter().map(|(_, point)| *point));
+    let mut curves = vec![line.broken_at_jumps()];
     let (marked, why) = words.marked;
-    let rings: Vec<(f64, f64)> = points
-        .iter()
-        .filter(|(index, _)| marked.get(*index).copied().unwrap_or(false))
-        .map(|(_, point)| *point)
-        .collect();
-    if !rings.is_empty() {
-        curves.push(Curve::new(why, VERMILION, Mark::Rings(9.0), rings));
-    }
-    let up = plot::Axis::linear(name, height(&curves), 7);
-    Plot { title: words.title.to_owned(), across: across(axis), up, curves }
+    let rings = points.iter().filter(|(index, _)| marked.get(*index).copied().unwrap_or(false));
+    let rings = Curve::new(why, VERMILION, Mark::Rings(9.0), rings.map(|(_, point)| *point));
+    curves.extend(Some(rings).filter(|rings| !rings.points.is_empty()));
+    let up = chart::Axis::linear(name.as_str(), FITTING, 7);
+    Chart::new("", across(axis), up, curves).grouped("over", 320)
 }
 
-/// The place of a value on its axis, in decades on a logarithmic one.
-fn place(axis: &Axis, value: f64) -> f64 {
-    if axis.logarithmic { value.log10() } else { value }
+/// The cells over both axes.
+fn map(words: Words<'_>, axes: [&Axis; 2], (name, values): &(String, Vec<Option<f64>>)) -> Chart {
+    // The indices of an axis in the order of its values.
+    let [columns, rows] = axes.map(|axis| {
+        let mut indices: Vec<usize> = (0..axis.count()).collect();
+        indices.sort_by(|one, other| axis.value(*one).total_cmp(&axis.value(*other)));
+        indices
+    });
+    let at = |row: usize, column: usize| values.get(row * columns.len() + column).copied().flatten();
+    let cells = rows.iter().flat_map(|&row| columns.iter().map(move |&column| (row, column)));
+    let cells = cells.map(|(row, column)| at(row, column)).collect();
+    let middles = [(axes[0], &columns), (axes[1], &rows)]
+        .map(|(axis, order)| order.iter().map(|&index| axis.value(index)).collect());
+    let map = Chart::map(axes.map(across), middles, chart::Axis::linear(name.as_str(), FITTING, 8), cells);
+    let note = if map.has_white() { format!("white: {}", words.without) } else { String::new() };
+    Chart { note, ..map }
 }
 
-/// The ticks of an axis between two places.
-fn ticks(axis: &Axis, [low, high]: [f64; 2]) -> Vec<f64> {
-    if axis.logarithmic { logarithmic_ticks(low, high, 10) } else { linear_ticks(low, high, 8) }
-}
-
-fn label(axis: &Axis, place: f64, all: &[f64]) -> String {
-    if axis.logarithmic { logarithmic_label(place, all) } else { tick(place) }
-}
-
-/// Edges of all cells of an axis, in its values.
-pub(super) fn edges(axis: &Axis) -> Vec<f64> {
-    let value = |place: f64| if axis.logarithmic { 10f64.powf(place) } else { place };
-    let last = axis.count() - 1;
-    (0..=last).map(|index| cell(axis, index).0).chain([cell(axis, last).1]).map(value).collect()
-}
-
-/// Edges of the cell around the point with the given index.
-fn cell(axis: &Axis, index: usize) -> (f64, f64) {
-    let at = |index: usize| place(axis, axis.value(index));
-    let middle = |left: usize, right: usize| 0.5 * (at(left) + at(right));
-    let last = axis.count() - 1;
-    let low = if index == 0 { 2.0 * at(0) - middle(0, 1) } else { middle(index - 1, index) };
-    let high = if index == last { 2.0 * at(last) - middle(last - 1, last) } else { middle(index, index + 1) };
-    (low, high)
-}
-
-fn map(area: &Area<'_>, words: Words<'_>, [across, up]: [&Axis; 2], quantity: &Quantity) -> Drawn {
-    let (name, factor) = quantity.scaled();
-    let value = |value: &Option<f64>| value.filter(|value| value.is_finite()).map(|value| factor * value);
-    let mut area = area.titled(words.title, (FONT, 18))?;
-    // What is white is explained under the title.
-    if quantity.values.iter().any(|cell| value(cell).is_none()) && !words.without.is_empty() {
-        area = area.titled(&format!("white: {}", words.without), LABEL)?;
-    }
-    let (low, high) = extremes(quantity.values.iter().filter_map(value));
-    let (body, scale) = area.split_horizontally(i32::try_from(SIZE.0).unwrap_or(0) - 130);
-    let ends = [across, up].map(|axis| [cell(axis, 0).0, cell(axis, axis.count() - 1).1]);
-    let [columns, rows] = [ticks(across, ends[0]), ticks(up, ends[1])];
-    let mut chart = ChartBuilder::on(&body)
-        .margin(10)
-        .x_label_area_size(40)
-        .y_label_area_size(80)
-        .build_cartesian_2d(Ticked::new(ends[0], &columns), Ticked::new(ends[1], &rows))?;
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .x_desc(label_of_key(&across.key))
-        .y_desc(label_of_key(&up.key))
-        .label_style(LABEL)
-        .x_label_formatter(&|x| label(across, *x, &columns))
-        .y_label_formatter(&|y| label(up, *y, &rows))
-        .draw()?;
-    chart.draw_series(quantity.values.iter().enumerate().filter_map(|(index, cell_value)| {
-        let (left, right) = cell(across, index % across.count());
-        let (bottom, top) = cell(up, index / across.count());
-        Some(Rectangle::new([(left, bottom), (right, top)], shade(value(cell_value)?, low, high).filled()))
-    }))?;
-    colour_bar(&scale, &name, [low, high])
+/// A curve over the axis for each value of the rows, or for every so many of them.
+fn family(rows: &Axis, axis: &Axis, (name, values): &(String, Vec<Option<f64>>)) -> Chart {
+    let every = rows.count().div_ceil(MOST);
+    let curve = |row: usize| {
+        let value = |column: usize| values.get(row * axis.count() + column).copied().flatten();
+        let points = (0..axis.count()).filter_map(|column| Some((axis.value(column), value(column)?)));
+        // The lightest yellow would not be seen on white.
+        let colour = shade(row as f64, 0.0, 1.15 * (rows.count() - 1) as f64);
+        let name = format!("{} = {}", rows.key, tick(rows.value(row)));
+        Curve::new(name, colour, Mark::Dotted([1.6, 5.0]), points).broken_at_jumps()
+    };
+    let curves = (0..rows.count()).step_by(every).map(curve).collect();
+    let chart = Chart::new("", across(axis), chart::Axis::linear(name.as_str(), FITTING, 7), curves);
+    let note = if every > 1 { format!("One of {every} values of {}.", rows.key) } else { String::new() };
+    Chart { note, is_of_page: true, ..chart.grouped("over", 360) }
 }
 
 #[cfg(test)]
@@ -198,25 +136,28 @@ mod tests {
         Quantity { name: "mean power", unit: "W", values: values.into_iter().collect() }
     }
 
+    fn draw(words: Words<'_>, axes: &[Axis], quantity: Quantity) -> String {
+        picture(words, axes, &[quantity]).expect("a picture").svg().expect("drawn")
+    }
+
     #[test]
     fn a_map_has_round_ticks_no_power_below_zero_and_says_what_is_white() {
         let axes = [axis("load.resistance_ohm=1e3:1e5:5:log"), axis("excitation.frequency_hz=19:22:4")];
         let words = Words { title: "Title", without: "the run failed", marked: (&[], "") };
         let values = (0..20).map(|index| (index != 7).then_some(f64::from(index) * 1e-6));
-        let told = texts(&draw(words, &axes, &[power(values)]).expect("drawn").expect("a picture"));
+        let told = texts(&draw(words, &axes, power(values)));
         for expected in ["white: the run failed", "mean power [µW]", "10³", "10⁴", "10⁵", "19", "22"] {
             assert!(told.iter().any(|text| text == expected), "{expected} is not in {told:?}");
         }
         // The last axis runs fastest, and goes across: its name is not turned.
-        let svg = draw(words, &axes, &[power((0..20).map(|index| Some(f64::from(index))))]);
-        let svg = svg.expect("drawn").expect("a picture");
+        let svg = draw(words, &axes, power((0..20).map(|index| Some(f64::from(index)))));
         let turned =
             |name: &str| svg.split("<text").any(|text| text.contains(name) && text.contains("rotate"));
         assert!(turned("load resistance [Ω]") && !turned("excitation frequency [Hz]"));
         assert!(svg.contains("excitation frequency [Hz]") && !svg.contains("frequency_hz"), "no raw key");
         assert!(!told.iter().any(|text| text.contains("3.16") || text.starts_with('-')), "{told:?}");
         let all = (0..20).map(|index| Some(f64::from(index)));
-        let told = texts(&draw(words, &axes, &[power(all)]).expect("drawn").expect("a picture"));
+        let told = texts(&draw(words, &axes, power(all)));
         assert!(!told.iter().any(|text| text.contains("white")), "{told:?}");
     }
 
@@ -226,12 +167,32 @@ mod tests {
         let marked = [false, false, true, true, false, false, false, false];
         let words = Words { title: "Title", without: "", marked: (&marked, "no stable orbit") };
         let values = [1.0, 1.1, 1.2, 1.3, 9.0, 9.1, 9.2, 9.3].map(Some);
-        let svg = draw(words, &axes, &[power(values)]).expect("drawn").expect("a picture");
+        let svg = draw(words, &axes, power(values));
         let told = texts(&svg);
         assert!(told.iter().any(|text| text == "no stable orbit"), "{told:?}");
         let line = svg.split("stroke-linejoin").nth(1).expect("a line").split("d=\"").nth(1).expect("a path");
         assert_eq!(line.split('"').next().map(|path| path.matches('M').count()), Some(2), "{line}");
         let rings = svg.split("#D55E00").filter(|part| part.contains("h0")).count();
         assert!(rings >= 2, "in the legend and at the points");
+    }
+
+    #[test]
+    fn a_page_over_two_axes_has_a_curve_for_each_row_and_the_map() {
+        let axes: Vec<Axis> = ["load.resistance_ohm=1e3:1e5:3:log", "excitation.frequency_hz=19:22:4"]
+            .map(|text| text.parse().expect("an axis"))
+            .into();
+        let quantity = power((0..12).map(|index| (index != 7).then_some(f64::from(index) * 1e-6)));
+        let words = Words { title: "a & b", without: "the run failed", marked: (&[], "") };
+        let page = picture(words, &axes, &[quantity]).expect("a picture").page().expect("drawn");
+        assert!(page.contains("<h1>a &amp; b</h1>") && page.contains("white: the run failed"));
+        // Eleven cells have a colour.
+        let shades =
+            page.split("\"shades\":[").nth(1).and_then(|rest| rest.split(']').next()).expect("a map");
+        assert_eq!(shades.matches("null").count(), 1);
+        assert_eq!(shades.split(',').count(), 12);
+        for value in ["1000", "1e4", "1e5"] {
+            assert!(page.contains(&format!("\"name\":\"load.resistance_ohm = {value}\"")), "{value}");
+        }
+        assert_eq!(page.matches("\"named\":").count(), 3);
     }
 }

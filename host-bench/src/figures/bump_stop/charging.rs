@@ -3,7 +3,7 @@
 use super::{Figure, Panel, each};
 use crate::method::{Failure, Options};
 use crate::outcome::{csv, number};
-use crate::report::plot::{Axis, Curve, Mark, Plot, height};
+use crate::report::chart::{Axis, Chart, Curve, Mark};
 use crate::report::svg::{BLACK, BLUE, VERMILION};
 use crate::run::run_scene;
 use crate::scene_file::{Load, Scene};
@@ -49,7 +49,7 @@ impl Charging {
 }
 
 /// Figure 11, of the storage with the stop at the tip, at mid-span, and without one.
-pub(super) fn eleven([tip, mid, none]: [&Charging; 3], [base, note]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn eleven([tip, mid, none]: [&Charging; 3], [base, note]: [&str; 2]) -> Figure {
     let cases =
         [("no stop", BLUE, none), ("stop at mid-span", BLACK, mid), ("stop at the tip", VERMILION, tip)];
     let curves: Vec<Curve> = cases
@@ -57,12 +57,12 @@ pub(super) fn eleven([tip, mid, none]: [&Charging; 3], [base, note]: [&str; 2]) 
         .map(|(name, colour, of)| Curve::new(*name, *colour, Mark::Line(1.6), of.points.iter().copied()))
         .collect();
     let last = curves.iter().flat_map(|curve| &curve.points).map(|point| point.0).fold(0.0, f64::max);
-    let plot = Plot {
-        title: format!("Figure 11: {base}"),
-        across: Axis::linear("time since the start [s]", [0.0, last], 6),
-        up: Axis::linear("voltage of the storage [V]", [0.0, height(&curves)[1]], 6),
+    let plot = Chart::new(
+        format!("Figure 11: {base}"),
+        Axis::linear("time since the start [s]", [0.0, last], 6),
+        Axis::linear("voltage of the storage [V]", [0.0, f64::NAN], 6),
         curves,
-    };
+    );
     let row = |(name, _, of): &(&str, _, &Charging)| {
         let [half, one, two, five] = INSTANTS_S.map(|instant| of.at(instant).unwrap_or(f64::NAN));
         let energy = 0.5e6 * of.capacitance * five * five;
@@ -73,7 +73,7 @@ pub(super) fn eleven([tip, mid, none]: [&Charging; 3], [base, note]: [&str; 2]) 
     let rows = cases.iter().flat_map(|(name, _, of)| {
         of.points.iter().map(|(time, voltage)| [(*name).to_owned(), number(*time), number(*voltage)])
     });
-    Ok(Figure {
+    Figure {
         label: "Figure 11",
         title: "Storage capacitor behind a full bridge",
         caption: format!(
@@ -82,8 +82,8 @@ pub(super) fn eleven([tip, mid, none]: [&Charging; 3], [base, note]: [&str; 2]) 
              are of this library. {note}",
             1e6 * tip.capacitance
         ),
-        panels: vec![Panel::new("figure-11", SIZE, &[plot])?],
+        panels: vec![Panel::new("figure-11", SIZE, [plot])],
         table: crate::figures::table(headings, cases.iter().map(row)),
         csv: csv("stop,time_s,store_voltage_v", rows),
-    })
+    }
 }

@@ -2,8 +2,9 @@
 
 use super::motion::{CONTACT_FORCE, Motion, ROD, STOP_POINT};
 use super::{Figure, Panel};
+use crate::method::Failure;
 use crate::outcome::{csv, number};
-use crate::report::plot::{Axis, Curve, Mark, Plot, height};
+use crate::report::chart::{Axis, Chart, Curve, Mark};
 use crate::report::svg::{BLUE, ORANGE, VERMILION};
 
 const SIZE: (u32, u32) = (900, 560);
@@ -14,9 +15,12 @@ const AFTER_S: f64 = 1e-4;
 const LOWEST: f64 = -0.6;
 
 /// Figure 7; `gap` is that at rest in m.
-pub(super) fn seven(tip: &Motion, gap: f64, [base, note]: [&str; 2]) -> Result<Figure, String> {
-    let [first, last] = tip.longest_cluster().ok_or("no contact with the stop at the tip")?;
-    let [rests, leaves] = tip.longest_contact([first, last]).ok_or("no contact in the cluster")?;
+pub(super) fn seven(tip: &Motion, gap: f64, [base, note]: [&str; 2]) -> Result<Figure, Failure> {
+    let missing = |text: &str| Failure::Input(text.to_owned());
+    let [first, last] =
+        tip.longest_cluster().ok_or_else(|| missing("no contact with the stop at the tip"))?;
+    let [rests, leaves] =
+        tip.longest_contact([first, last]).ok_or_else(|| missing("no contact in the cluster"))?;
     let span = [rests - BEFORE_S, rests + AFTER_S];
     let curve = |name, colour, width, column, scale| {
         Curve::new(name, colour, Mark::Line(width), tip.within(span, column, scale))
@@ -33,11 +37,13 @@ pub(super) fn seven(tip: &Motion, gap: f64, [base, note]: [&str; 2]) -> Result<F
             [span[0] + 1e-6 * beam.0, 1e-6 * beam.1, 1e-6 * rod.1, force.1].map(number)
         }),
     );
-    let plot = |title: &str, up, lowest, ticks, curves: Vec<Curve>| Plot {
-        title: title.to_owned(),
-        across: Axis::linear("time [µs]", [0.0, 1e6 * (span[1] - span[0])], 12),
-        up: Axis::linear(up, [lowest, height(&curves)[1]], ticks),
-        curves,
+    let plot = |title: &str, up, lowest, ticks, curves: Vec<Curve>| {
+        Chart::new(
+            title,
+            Axis::linear("time [µs]", [0.0, 1e6 * (span[1] - span[0])], 12),
+            Axis::linear(up, [lowest, f64::NAN], ticks),
+            curves,
+        )
     };
     let plots = [
         plot(&format!("Figure 7, displacement: {base}"), "displacement [µm]", LOWEST, 7, places),
@@ -56,7 +62,7 @@ pub(super) fn seven(tip: &Motion, gap: f64, [base, note]: [&str; 2]) -> Result<F
             1e3 * (BEFORE_S + AFTER_S),
             1e3 * (leaves - rests)
         ),
-        panels: vec![Panel::new("figure-7", SIZE, &plots)?],
+        panels: vec![Panel::new("figure-7", SIZE, plots)],
         table: Vec::new(),
         csv,
     })

@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use super::{Figure, Panel, each};
 use crate::method::{Failure, Options};
 use crate::outcome::{csv, number};
-use crate::report::plot::{Axis, Curve, Plot};
+use crate::report::chart::{Axis, Chart, Curve, Mark};
 use crate::report::svg::{BLACK, BLUE, ORANGE, VERMILION, range, tick};
 use crate::run::run_scene;
 use crate::scene_file::{BumpStopStart, Contact, Model, RunSpan, Scene};
@@ -38,15 +38,15 @@ pub(super) fn runs() -> usize {
 
 /// The numbers of a run, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Found {
-    rms_voltage: f64,
+pub(crate) struct Found {
+    pub(crate) rms_voltage: f64,
     peak_force: f64,
-    mean_force: f64,
-    contacts_per_period: f64,
+    pub(crate) mean_force: f64,
+    pub(crate) contacts_per_period: f64,
 }
 
 /// Runs the scene with these numbers of modes, this contact and this span.
-fn found(
+pub(crate) fn found(
     base: &Scene,
     (beam, rod): (usize, usize),
     contact: Contact,
@@ -124,29 +124,27 @@ pub(super) fn in_step(scene: &Scene, done: &(dyn Fn() + Sync)) -> Result<Vec<Ste
 }
 
 /// Width of the lines and diameter of the dots.
-const STROKES: [f64; 2] = [1.6, 6.0];
+const STROKES: Mark = Mark::Dotted([1.6, 6.0]);
 
 /// RMS voltage over the number of beam modes.
-pub(super) fn modes_figure(points: &[ModesPoint], [base, note]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn modes_figure(points: &[ModesPoint], [base, note]: [&str; 2]) -> Figure {
     let places = ["tip", "mid-span"];
     let panel = |(index, (letter, place)): (usize, (char, &str))| {
         let here = || points.iter().filter(move |([place, ..], _)| *place == index);
-        let curves = ROD.into_iter().zip(ROD_COLOURS).flat_map(|(wanted, colour)| {
+        let curves = ROD.into_iter().zip(ROD_COLOURS).map(|(wanted, colour)| {
             let of = here().filter(|([_, rod, _], _)| *rod == wanted);
             let points = of.map(|([.., beam], found)| (*beam as f64, found.rms_voltage));
-            Curve::dotted(format!("{wanted} of the rod"), colour, STROKES, points)
+            Curve::new(format!("{wanted} of the rod"), colour, STROKES, points)
         });
         let highest = here().map(|(_, found)| found.rms_voltage).fold(0.0, f64::max);
-        let plot = Plot {
-            title: format!("Modes ({letter}): stop at the {place}, {base}"),
-            across: Axis::linear("modes of the beam", [0.0, 21.0], 11),
-            up: Axis::linear("RMS voltage [V]", [0.0, 1.1 * highest], 8),
-            curves: curves.collect(),
-        };
-        Panel::new(format!("convergence-in-modes-{letter}"), SIZE, &[plot])
+        let plot = Chart::new(
+            format!("Modes ({letter}): stop at the {place}, {base}"),
+            Axis::linear("modes of the beam", [0.0, 21.0], 11),
+            Axis::linear("RMS voltage [V]", [0.0, 1.1 * highest], 8),
+            curves.collect(),
+        );
+        Panel::new(format!("convergence-in-modes-{letter}"), SIZE, [plot])
     };
-    let panels: Result<Vec<Panel>, String> =
-        ['a', 'b'].into_iter().zip(places).enumerate().map(panel).collect();
     let case =
         |[place, rod, beam]: &[usize; 3]| [places[*place].to_owned(), beam.to_string(), rod.to_string()];
     let csv = csv(
@@ -158,7 +156,7 @@ pub(super) fn modes_figure(points: &[ModesPoint], [base, note]: [&str; 2]) -> Re
         let [voltage, mean, peak, _] = found.printed();
         [place, beam, rod, voltage, mean, peak]
     };
-    Ok(Figure {
+    Figure {
         label: "Convergence in modes",
         title: "RMS voltage over the number of modes",
         caption: format!(
@@ -170,17 +168,17 @@ pub(super) fn modes_figure(points: &[ModesPoint], [base, note]: [&str; 2]) -> Re
             MODES_RUN.window_s(),
             MODES_RUN.settle_s
         ),
-        panels: panels?,
+        panels: ['a', 'b'].into_iter().zip(places).enumerate().map(panel).collect(),
         table: crate::figures::table(
             ["stop", "beam modes", "rod modes", "RMS voltage [V]", "mean force [mN]", "peak force [N]"],
             points.iter().map(row),
         ),
         csv,
-    })
+    }
 }
 
 /// RMS voltage and peak force over the step.
-pub(super) fn step_figure(points: &[StepPoint], [base, note]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn step_figure(points: &[StepPoint], [base, note]: [&str; 2]) -> Figure {
     let row = |((law, step_s), found): &StepPoint| {
         let [voltage, mean, peak, contacts] = found.printed();
         [LAWS[*law].1.to_owned(), tick(1e6 * step_s), voltage, mean, peak, contacts]
@@ -200,7 +198,7 @@ pub(super) fn step_figure(points: &[StepPoint], [base, note]: [&str; 2]) -> Resu
         }),
     );
     let (beam, rod) = STEP_MODES;
-    Ok(Figure {
+    Figure {
         label: "Convergence in step",
         title: "RMS voltage and peak force over the step",
         caption: format!(
@@ -212,20 +210,20 @@ pub(super) fn step_figure(points: &[StepPoint], [base, note]: [&str; 2]) -> Resu
             STEP_RUN.window_s(),
             STEP_RUN.settle_s
         ),
-        panels: step_panels(points, base)?,
+        panels: step_panels(points, base),
         table: crate::figures::table(headings, points.iter().map(row)),
         csv,
-    })
+    }
 }
 
-fn step_panels(points: &[StepPoint], base: &str) -> Result<Vec<Panel>, String> {
+fn step_panels(points: &[StepPoint], base: &str) -> Vec<Panel> {
     let across = Axis::logarithmic("step near contact [s]", [0.9 * STEPS[0], 1.1 * STEPS[STEPS.len() - 1]]);
     let curves = |value: fn(&Found) -> f64| -> Vec<Curve> {
         let laws = LAWS.iter().enumerate();
-        laws.flat_map(|(index, (_, name, colour))| {
+        laws.map(|(index, (_, name, colour))| {
             let of = points.iter().filter(|((law, _), _)| *law == index);
             let points = of.map(|((_, step_s), found)| (*step_s, value(found)));
-            Curve::dotted(*name, *colour, STROKES, points)
+            Curve::new(*name, *colour, STROKES, points)
         })
         .collect()
     };
@@ -234,19 +232,19 @@ fn step_panels(points: &[StepPoint], base: &str) -> Result<Vec<Panel>, String> {
     let (low, high) = range(forces.iter().flat_map(|curve| &curve.points).map(|point| point.1.log10()));
     let span = [10f64.powf(low.floor()), 10f64.powf(high.ceil())];
     let plots = [
-        Plot {
-            title: format!("Step (a), stop at the tip: {base}"),
-            across: across.clone(),
-            up: Axis::linear("RMS voltage [V]", [0.0, 1.2 * highest], 8),
-            curves: voltages,
-        },
-        Plot {
-            title: format!("Step (b), stop at the tip: {base}"),
+        Chart::new(
+            format!("Step (a), stop at the tip: {base}"),
+            across.clone(),
+            Axis::linear("RMS voltage [V]", [0.0, 1.2 * highest], 8),
+            voltages,
+        ),
+        Chart::new(
+            format!("Step (b), stop at the tip: {base}"),
             across,
-            up: Axis::logarithmic("peak contact force [N]", span),
-            curves: forces,
-        },
+            Axis::logarithmic("peak contact force [N]", span),
+            forces,
+        ),
     ];
-    let panel = |(letter, plot)| Panel::new(format!("convergence-in-step-{letter}"), SIZE, &[plot]);
+    let panel = |(letter, plot)| Panel::new(format!("convergence-in-step-{letter}"), SIZE, [plot]);
     ['a', 'b'].into_iter().zip(plots).map(panel).collect()
 }

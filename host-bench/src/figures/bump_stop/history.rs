@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use super::motion::{CONTACT_FORCE, Motion, ROD, SETTLE, SHOWN, STOP_POINT, TIP, VOLTAGE};
 use super::{Figure, Panel};
 use crate::outcome::{csv, number};
-use crate::report::plot::{Axis, Curve, Mark, Plot, height};
+use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION};
 
 /// Rows from one point of a curve to the next: 20 µs are a third of a pixel. Curves of the force take every row, because a
@@ -20,18 +20,18 @@ fn curve(name: &str, colour: RGBColor, motion: &Motion, column: usize, scale: f6
     Curve::new(name, colour, Mark::Line(1.4), motion.over_periods(column, scale, every))
 }
 
-fn plot(title: &str, up: &'static str, curves: Vec<Curve>) -> Plot {
+fn plot(title: &str, up: &'static str, curves: Vec<Curve>) -> Chart {
     let span = [SETTLE, SETTLE + SHOWN].map(f64::from);
-    Plot {
-        title: title.to_owned(),
-        across: Axis::linear("time since the start [excitation periods]", span, 7),
-        up: Axis::linear(up, height(&curves), 7),
+    Chart::new(
+        title,
+        Axis::linear("time since the start [excitation periods]", span, 7),
+        Axis::linear(up, FITTING, 7),
         curves,
-    }
+    )
 }
 
 /// Figure 6.
-pub(super) fn six(tip: &Motion, [base, note]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn six(tip: &Motion, [base, note]: [&str; 2]) -> Figure {
     let plots = [
         ("Figure 6 (a)", "displacement [µm]", BLUE, STOP_POINT, 1e6),
         ("Figure 6 (b)", "contact force [N]", VERMILION, CONTACT_FORCE, 1.0),
@@ -40,7 +40,7 @@ pub(super) fn six(tip: &Motion, [base, note]: [&str; 2]) -> Result<Figure, Strin
     .map(|(title, up, colour, column, scale)| {
         plot(&format!("{title}: {base}"), up, vec![curve("", colour, tip, column, scale)])
     });
-    Ok(Figure {
+    Figure {
         label: "Figure 6",
         title: "Displacement, contact force and voltage with the stop at the tip",
         caption: format!(
@@ -50,34 +50,34 @@ pub(super) fn six(tip: &Motion, [base, note]: [&str; 2]) -> Result<Figure, Strin
              voltage. The peaks of the force are those of ten modes each, the impulses converge with modes, the \
              peaks do not. {note}"
         ),
-        panels: vec![Panel::new("figure-6", THREE_HIGH, &plots)?],
+        panels: vec![Panel::new("figure-6", THREE_HIGH, plots)],
         table: Vec::new(),
         csv: whole(tip),
-    })
+    }
 }
 
 /// Figure 8.
-pub(super) fn eight([tip, none]: [&Motion; 2], [base, note]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn eight([tip, none]: [&Motion; 2], [base, note]: [&str; 2]) -> Figure {
     let curves = vec![
         curve("without impact", BLUE, none, VOLTAGE, 1.0),
         curve("with impact, stop at the tip", VERMILION, tip, VOLTAGE, 1.0),
     ];
     let plot = plot(&format!("Figure 8: {base}"), "voltage [V]", curves);
-    Ok(Figure {
+    Figure {
         label: "Figure 8",
         title: "Voltage with and without impact",
         caption: format!(
             "{SHOWN} periods after {SETTLE}: the voltage is lower during contact, and out of contact it is close to that \
              without a stop. {note}"
         ),
-        panels: vec![Panel::new("figure-8", WIDE, &[plot])?],
+        panels: vec![Panel::new("figure-8", WIDE, [plot])],
         table: Vec::new(),
         csv: voltages(&[("tip", tip), ("none", none)]),
-    })
+    }
 }
 
 /// Figure 9.
-pub(super) fn nine([tip, mid, none]: [&Motion; 3], [base, note]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn nine([tip, mid, none]: [&Motion; 3], [base, note]: [&str; 2]) -> Figure {
     let curves = vec![
         curve("no stop", BLUE, none, VOLTAGE, 1.0),
         curve("stop at mid-span", BLACK, mid, VOLTAGE, 1.0),
@@ -91,7 +91,7 @@ pub(super) fn nine([tip, mid, none]: [&Motion; 3], [base, note]: [&str; 2]) -> R
         [name.to_owned(), format!("{root:.3}"), format!("{highest:.3}")]
     });
     let plot = plot(&format!("Figure 9: {base}"), "voltage [V]", curves);
-    Ok(Figure {
+    Figure {
         label: "Figure 9",
         title: "Voltage for three places of the stop",
         caption: format!(
@@ -100,13 +100,13 @@ pub(super) fn nine([tip, mid, none]: [&Motion; 3], [base, note]: [&str; 2]) -> R
              tip, which a stop at the tip holds down. RMS voltages with a stop are below that without one; the peaks \
              are above it, because the beam rings after it leaves the stop. {note}"
         ),
-        panels: vec![Panel::new("figure-9", WIDE, &[plot])?],
+        panels: vec![Panel::new("figure-9", WIDE, [plot])],
         table: crate::figures::table(
             ["stop", "RMS voltage over these periods [V]", "peak voltage [V]"],
             rows.into_iter(),
         ),
         csv: voltages(&[("tip", tip), ("mid-span", mid), ("none", none)]),
-    })
+    }
 }
 
 /// All columns of one motion.

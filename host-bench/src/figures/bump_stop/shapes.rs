@@ -7,7 +7,7 @@ use super::{Figure, Panel, each};
 use crate::embedded::{DeflectedShape, ShapePoint, deflected_shapes};
 use crate::method::Failure;
 use crate::outcome::{csv, number};
-use crate::report::plot::{Axis, Curve, Mark, Plot, height};
+use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION};
 use crate::scene_file::Scene;
 
@@ -37,7 +37,7 @@ pub(super) fn of(motions: [(&Scene, &Motion); 2], done: &(dyn Fn() + Sync)) -> R
 }
 
 /// Figure 10.
-pub(super) fn ten(clusters: &[Cluster], [base, note]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn ten(clusters: &[Cluster], [base, note]: [&str; 2]) -> Figure {
     let drawn = |(letter, place): (char, &str), cluster: &Cluster| {
         let curves: Vec<Curve> = cluster
             .shapes
@@ -51,20 +51,18 @@ pub(super) fn ten(clusters: &[Cluster], [base, note]: [&str; 2]) -> Result<Figur
             })
             .collect();
         let length = curves.first().and_then(|curve| curve.points.last()).map_or(1.0, |point| point.0);
-        let plot = Plot {
-            title: format!("Figure 10 ({letter}): stop at {place}, {base}"),
-            across: Axis::linear("distance from the clamp [mm]", [0.0, length], 6),
-            up: Axis::linear("displacement towards the stop [µm]", height(&curves), 8),
+        let plot = Chart::new(
+            format!("Figure 10 ({letter}): stop at {place}, {base}"),
+            Axis::linear("distance from the clamp [mm]", [0.0, length], 6),
+            Axis::linear("displacement towards the stop [µm]", FITTING, 8),
             curves,
-        };
-        Panel::new(format!("figure-10{letter}"), SIZE, &[plot])
+        );
+        Panel::new(format!("figure-10{letter}"), SIZE, [plot])
     };
     let places = [('a', "the tip"), ('b', "mid-span")];
-    let panels: Result<Vec<Panel>, String> =
-        places.into_iter().zip(clusters).map(|(place, cluster)| drawn(place, cluster)).collect();
     let lengths: Vec<String> =
         clusters.iter().map(|cluster| format!("{:.0}", 1e6 * (cluster.last - cluster.first))).collect();
-    Ok(Figure {
+    Figure {
         label: "Figure 10",
         title: "Deflected shapes of the beam during contact",
         caption: format!(
@@ -74,10 +72,10 @@ pub(super) fn ten(clusters: &[Cluster], [base, note]: [&str; 2]) -> Result<Figur
              with which the voltage goes, is larger. {note}",
             lengths.join(" and of ")
         ),
-        panels: panels?,
+        panels: places.into_iter().zip(clusters).map(|(place, cluster)| drawn(place, cluster)).collect(),
         table: Vec::new(),
         csv: numbers(places.map(|(_, place)| place), clusters),
-    })
+    }
 }
 
 fn numbers(places: [&str; 2], clusters: &[Cluster]) -> String {

@@ -5,7 +5,7 @@ use super::response::frequency_axis;
 use super::{DIAGRAM_SETTLE, Figure, Panel, each};
 use crate::method::Failure;
 use crate::outcome::{csv, number};
-use crate::report::plot::{Axis, Curve, Mark, Plot};
+use crate::report::chart::{Axis, Chart, Curve, Mark};
 use crate::report::svg::BLUE;
 use crate::scene_file::Scene;
 
@@ -32,22 +32,22 @@ pub(super) fn ten(
     [charge_density, resistance]: [f64; 2],
     grid: Grid,
     [base, start]: [&str; 2],
-) -> Result<Figure, String> {
+) -> Figure {
     let all = || diagram.iter().flat_map(|(frequency, gaps)| gaps.iter().map(|gap| (*frequency, 1e3 * gap)));
     let (low, high) =
         all().fold((f64::INFINITY, 0.0_f64), |(low, high), (_, gap)| (low.min(gap), high.max(gap)));
     let low = if low.is_finite() { low } else { 0.0 };
-    let plot = Plot {
-        title: format!("Figure 10: {charge_density} µC/m², {resistance} MΩ, {base}"),
-        across: frequency_axis(grid.span(), 11),
-        up: Axis::linear(
+    let plot = Chart::new(
+        format!("Figure 10: {charge_density} µC/m², {resistance} MΩ, {base}"),
+        frequency_axis(grid.span(), 11),
+        Axis::linear(
             "gap at the start of each period [mm]",
             [(10.0 * low - 0.5).floor() / 10.0, (10.0 * high + 0.5).ceil() / 10.0],
             9,
         ),
-        curves: vec![Curve::new("", BLUE, Mark::Dots(2.0), all())],
-    };
-    Ok(Figure {
+        vec![Curve::new("", BLUE, Mark::Dots(2.0), all())],
+    );
+    Figure {
         label: "Figure 10",
         title: "Bifurcation diagram of the position of the mass",
         caption: format!(
@@ -58,7 +58,7 @@ pub(super) fn ten(
              there beside a motion of three periods, until impacts end. The dots come after {DIAGRAM_SETTLE} \
              periods: just below the first impact, what is left of the start fades slowly. {start}"
         ),
-        panels: vec![Panel::new("figure-10", SIZE, &[plot])?],
+        panels: vec![Panel::new("figure-10", SIZE, [plot])],
         table: Vec::new(),
         csv: csv(
             "frequency_hz,period,gap_m",
@@ -67,5 +67,5 @@ pub(super) fn ten(
                 (DIAGRAM_SETTLE..).zip(gaps).map(row)
             }),
         ),
-    })
+    }
 }

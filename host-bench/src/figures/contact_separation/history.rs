@@ -6,7 +6,7 @@ use super::motion::{Case, Motion, WINDOW};
 use super::{Figure, Panel, SETTLE, each};
 use crate::method::Failure;
 use crate::outcome::{csv, number};
-use crate::report::plot::{Axis, Curve, Mark, Plot};
+use crate::report::chart::{Axis, Chart, Curve, Mark};
 use crate::report::svg::{BLACK, BLUE, VERMILION};
 use crate::scene_file::Scene;
 
@@ -60,8 +60,7 @@ pub(super) fn nine(
         case.motion(base, tolerance, PER_PERIOD, from)
     })?;
     let of = format!("{charge_density} µC/m², {resistance} MΩ, {base_g}");
-    let panels: Result<Vec<Panel>, String> =
-        PAIRS.iter().zip(histories.chunks(2)).map(|(pair, histories)| panel(pair, &of, histories)).collect();
+    let panels = PAIRS.iter().zip(histories.chunks(2)).map(|(pair, histories)| panel(pair, &of, histories));
     let [onset, after, edge, beyond] = FREQUENCIES;
     Ok(Figure {
         label: "Figure 9",
@@ -73,7 +72,7 @@ pub(super) fn nine(
              mass hits the dielectric, with a long free flight between. (b) At {edge:.2} Hz it hits in every \
              period; at {beyond:.2} Hz impacts are gone and the motion is much smaller. {start}"
         ),
-        panels: panels.map_err(Failure::Input)?,
+        panels: panels.collect(),
         table: Vec::new(),
         csv: csv(
             "frequency_hz,period,time_s,gap_m",
@@ -86,22 +85,23 @@ pub(super) fn nine(
     })
 }
 
-fn panel(pair: &Pair, of: &str, histories: &[Motion]) -> Result<Panel, String> {
-    let plots = histories.iter().zip(pair.strips).map(|(motion, (_, colour))| Plot {
-        title: format!(
-            "{}: {:.2} Hz, {of}; {} impacts in the last {WINDOW} periods",
-            pair.title, motion.frequency, motion.impacts
-        ),
-        across: Axis::linear(
-            "time since the start [excitation periods]",
-            [f64::from(END - pair.periods), f64::from(END)],
-            13,
-        ),
-        // Dots at 0 stand above the axis.
-        up: Axis::linear("gap [mm]", [-0.3, 6.0], 7),
-        curves: curves(motion, colour),
+fn panel(pair: &Pair, of: &str, histories: &[Motion]) -> Panel {
+    let plots = histories.iter().zip(pair.strips).map(|(motion, (_, colour))| {
+        Chart::new(
+            format!(
+                "{}: {:.2} Hz, {of}; {} impacts in the last {WINDOW} periods",
+                pair.title, motion.frequency, motion.impacts
+            ),
+            Axis::linear(
+                "time since the start [excitation periods]",
+                [f64::from(END - pair.periods), f64::from(END)],
+                13,
+            ), // Dots at 0 stand above the axis.
+            Axis::linear("gap [mm]", [-0.3, 6.0], 7),
+            curves(motion, colour),
+        )
     });
-    Panel::new(format!("figure-9{}", pair.letter), SIZE, &plots.collect::<Vec<_>>())
+    Panel::new(format!("figure-9{}", pair.letter), SIZE, plots)
 }
 
 /// The gap, and the impacts of those that have any.

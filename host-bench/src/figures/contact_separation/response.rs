@@ -6,7 +6,7 @@ use super::motion::{Case, Grid, Response, WINDOW};
 use super::{Figure, Panel, SETTLE, each, table};
 use crate::method::Failure;
 use crate::outcome::{csv, number, optional_number};
-use crate::report::plot::{Axis, Curve, Mark, Plot};
+use crate::report::chart::{Axis, Chart, Curve, Mark};
 use crate::report::svg::{BLACK, BLUE, ORANGE, VERMILION};
 use crate::scene_file::Scene;
 
@@ -98,7 +98,7 @@ pub(crate) fn sweeps(
 }
 
 /// Figure 8 from the sweeps.
-pub(super) fn eight(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn eight(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> Figure {
     let wanted: Vec<&Sweep> = sweeps.iter().filter(|sweep| in_eight(sweep.resistance)).collect();
     let up = gap_axis(&wanted);
     let panel = |letter: char, resistance: f64| {
@@ -108,9 +108,10 @@ pub(super) fn eight(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> R
             Curve::new(name, colour, Mark::Line(1.8), sweep.points()).broken_at_jumps()
         });
         let title = format!("Figure 8 ({letter}): load {resistance} MΩ, {base}");
-        drawn(8, letter, title, frequency_axis(grid.span(), 9), up.clone(), curves.collect())
+        let chart = Chart::new(title, frequency_axis(grid.span(), 9), up.clone(), curves.collect());
+        Panel::new(format!("figure-8{letter}"), SIZE, [chart])
     };
-    Ok(Figure {
+    Figure {
         label: "Figure 8",
         title: "Frequency responses of the gap for four charge densities",
         caption: format!(
@@ -122,13 +123,13 @@ pub(super) fn eight(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> R
              at single frequencies there the mass does not hit the dielectric. A gap in a curve is a jump. {start}"
         ),
         table: bands(&wanted),
-        panels: vec![panel('a', RESISTANCES[0])?, panel('b', RESISTANCES[2])?],
+        panels: vec![panel('a', RESISTANCES[0]), panel('b', RESISTANCES[2])],
         csv: numbers(&wanted),
-    })
+    }
 }
 
 /// Figure 11 from the sweeps.
-pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> Figure {
     let [few, .., many] = CHARGE_DENSITIES;
     let wanted: Vec<&Sweep> = sweeps.iter().filter(|sweep| in_eleven(sweep.charge_density)).collect();
     let up = gap_axis(&wanted);
@@ -137,10 +138,11 @@ pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> 
         let curves = sweeps.zip(NESTED).map(|(sweep, (colour, mark))| {
             Curve::new(format!("{} MΩ", sweep.resistance), colour, mark, sweep.points()).broken_at_jumps()
         });
-        drawn(11, letter, title, frequency_axis(span, 9), up, curves.collect())
+        let chart = Chart::new(title, frequency_axis(span, 9), up, curves.collect());
+        Panel::new(format!("figure-11{letter}"), SIZE, [chart])
     };
     let near = Axis::linear("largest gap [mm]", LOCAL[1], 8);
-    Ok(Figure {
+    Figure {
         label: "Figure 11",
         title: "Frequency responses of the gap for three load resistances",
         caption: format!(
@@ -152,12 +154,12 @@ pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> 
         ),
         table: bands(&wanted),
         panels: vec![
-            panel('a', few, format!("Figure 11 (a): {few} µC/m², {base}"), grid.span(), up.clone())?,
-            panel('b', many, format!("Figure 11 (b): {many} µC/m², {base}"), grid.span(), up)?,
-            panel('c', many, format!("Figure 11 (c): {many} µC/m², {base}, local view"), LOCAL[0], near)?,
+            panel('a', few, format!("Figure 11 (a): {few} µC/m², {base}"), grid.span(), up.clone()),
+            panel('b', many, format!("Figure 11 (b): {many} µC/m², {base}"), grid.span(), up),
+            panel('c', many, format!("Figure 11 (c): {many} µC/m², {base}, local view"), LOCAL[0], near),
         ],
         csv: numbers(&wanted),
-    })
+    }
 }
 
 /// The local view: frequencies in Hz, gaps in mm.
@@ -174,17 +176,6 @@ fn bands(sweeps: &[&Sweep]) -> Vec<Vec<String>> {
     let headings =
         ["charge density [µC/m²]", "load [MΩ]", "impacts from [Hz]", "to [Hz]", "largest gap [mm]"];
     table(headings, rows)
-}
-
-fn drawn(
-    number: u32,
-    letter: char,
-    title: String,
-    across: Axis,
-    up: Axis,
-    curves: Vec<Curve>,
-) -> Result<Panel, String> {
-    Panel::new(format!("figure-{number}{letter}"), SIZE, &[Plot { title, across, up, curves }])
 }
 
 pub(super) fn frequency_axis(span: [f64; 2], ticks: usize) -> Axis {

@@ -3,7 +3,7 @@
 use super::response::{COLOURS, RESISTANCES};
 use super::{Case, DENSITIES, Figure, Panel, Peak, ohms};
 use crate::outcome::{csv, number};
-use crate::report::plot::{Axis, Curve, Mark, Plot, height};
+use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::svg::{BLACK, BLUE, VERMILION, range};
 
 /// Resistances within a decade, and the decades in Ω.
@@ -54,10 +54,10 @@ fn along(peaks: &[Peak], charge_density: f64) -> Vec<&Peak> {
 }
 
 /// Figure 6.
-pub(super) fn six(peaks: &[Peak], natural: f64, [base, note]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn six(peaks: &[Peak], natural: f64, [base, note]: [&str; 2]) -> Figure {
     let shift = |peak: &Peak| 1e3 * (peak.frequency_hz - natural);
     let amplitude = |peak: &Peak| 1e3 * peak.amplitude_m;
-    Ok(Figure {
+    Figure {
         label: "Figure 6",
         title: "Resonance frequency and amplitude over the load resistance",
         caption: format!(
@@ -74,14 +74,14 @@ pub(super) fn six(peaks: &[Peak], natural: f64, [base, note]: [&str; 2]) -> Resu
             DENSITIES[1]
         ),
         panels: vec![
-            looping(&along(peaks, DENSITIES[1]), base, shift, amplitude)?,
-            over_resistance(('b', base), "shift of the peak [mHz]", peaks, shift)?,
-            over_resistance(('c', base), "amplitude of the peak [mm]", peaks, amplitude)?,
-            rise(peaks, base)?,
+            looping(&along(peaks, DENSITIES[1]), base, shift, amplitude),
+            over_resistance(('b', base), "shift of the peak [mHz]", peaks, shift),
+            over_resistance(('c', base), "amplitude of the peak [mm]", peaks, amplitude),
+            rise(peaks, base),
         ],
         table: Vec::new(),
         csv: numbers(DENSITIES.iter().flat_map(|&density| along(peaks, density)), natural),
-    })
+    }
 }
 
 /// The curve that the peak runs along, with the resistances of figures 4 and 5 marked.
@@ -90,7 +90,7 @@ fn looping(
     base: &str,
     shift: impl Fn(&Peak) -> f64,
     amplitude: impl Fn(&Peak) -> f64,
-) -> Result<Panel, String> {
+) -> Panel {
     let place = |peak: &&Peak| (shift(peak), amplitude(peak));
     let line = Curve::new("", BLUE, Mark::Line(1.2), peaks.iter().map(place));
     let marks = RESISTANCES.iter().zip(COLOURS).map(|(resistance, colour)| {
@@ -98,20 +98,21 @@ fn looping(
         Curve::new(ohms(*resistance), colour, Mark::Dots(9.0), there.map(place))
     });
     let (left, right) = range(line.points.iter().map(|point| point.0));
-    let plot = Plot {
-        title: format!("Figure 6 (a): {} µC/m², {base}, loads from 0 Ω to {}", DENSITIES[1], ohms(SPAN[1])),
-        across: Axis::linear("shift of the peak from the natural frequency [mHz]", [left, right], 6),
-        up: Axis::linear("amplitude of the peak [mm]", height([&line]), 8),
-        curves: std::iter::once(line).chain(marks).collect(),
-    };
-    Panel::new("figure-6a", SIZE, &[plot])
+    let plot = Chart::new(
+        format!("Figure 6 (a): {} µC/m², {base}, loads from 0 Ω to {}", DENSITIES[1], ohms(SPAN[1])),
+        Axis::linear("shift of the peak from the natural frequency [mHz]", [left, right], 6),
+        Axis::linear("amplitude of the peak [mm]", FITTING, 8),
+        std::iter::once(line).chain(marks).collect(),
+    );
+    Panel::new("figure-6a", SIZE, [plot])
 }
 
 /// A value at each resistance above 0.
-fn above_short(peaks: &[Peak], density: f64, name: &str, value: impl Fn(&Peak) -> f64) -> [Curve; 2] {
+fn above_short(peaks: &[Peak], density: f64, name: &str, value: impl Fn(&Peak) -> f64) -> Curve {
     let above = along(peaks, density).into_iter().filter(|peak| peak.case.resistance > 0.0);
     let colour = if density < DENSITIES[1] { BLUE } else { VERMILION };
-    Curve::dotted(name, colour, [1.6, 4.5], above.map(|peak| (peak.case.resistance, value(peak))))
+    let points = above.map(|peak| (peak.case.resistance, value(peak)));
+    Curve::new(name, colour, Mark::Dotted([1.6, 4.5]), points)
 }
 
 /// The dashed line of a value at all resistances.
@@ -125,34 +126,33 @@ fn over_resistance(
     title: &'static str,
     peaks: &[Peak],
     value: impl Fn(&Peak) -> f64,
-) -> Result<Panel, String> {
+) -> Panel {
     let plots = DENSITIES.into_iter().filter_map(|density| {
-        let [line, dots] = above_short(peaks, density, "", &value);
-        let curves = [level(value(of(peaks, density, 0.0)?)), line, dots];
-        Some(Plot {
-            title: format!("Figure 6 ({letter}): {density} µC/m², {base}"),
-            across: Axis::logarithmic("load resistance [Ω]", SPAN),
-            up: Axis::linear(title, height(&curves), 6),
-            curves: curves.into(),
-        })
+        let curves = vec![level(value(of(peaks, density, 0.0)?)), above_short(peaks, density, "", &value)];
+        Some(Chart::new(
+            format!("Figure 6 ({letter}): {density} µC/m², {base}"),
+            Axis::logarithmic("load resistance [Ω]", SPAN),
+            Axis::linear(title, FITTING, 6),
+            curves,
+        ))
     });
-    Panel::new(format!("figure-6{letter}"), TALL, &plots.collect::<Vec<_>>())
+    Panel::new(format!("figure-6{letter}"), TALL, plots)
 }
 
 /// The rise of the amplitude before its fall, in parts of the amplitude of the short circuit.
-fn rise(peaks: &[Peak], base: &str) -> Result<Panel, String> {
+fn rise(peaks: &[Peak], base: &str) -> Panel {
     let curves = DENSITIES.into_iter().filter_map(|density| {
         let shorted = of(peaks, density, 0.0)?.amplitude_m;
         let value = |peak: &Peak| 1e2 * (peak.amplitude_m / shorted - 1.0);
         Some(above_short(peaks, density, &format!("{density} µC/m²"), value))
     });
-    let plot = Plot {
-        title: format!("Figure 6 (d): the rise of the amplitude, {base}"),
-        across: Axis::logarithmic("load resistance [Ω]", [SPAN[0], 1e8]),
-        up: Axis::linear("amplitude against 0 Ω [%]", [-0.04, 0.04], 8),
-        curves: curves.flatten().chain([level(0.0)]).collect(),
-    };
-    Panel::new("figure-6d", SIZE, &[plot])
+    let plot = Chart::new(
+        format!("Figure 6 (d): the rise of the amplitude, {base}"),
+        Axis::logarithmic("load resistance [Ω]", [SPAN[0], 1e8]),
+        Axis::linear("amplitude against 0 Ω [%]", [-0.04, 0.04], 8),
+        curves.chain([level(0.0)]).collect(),
+    );
+    Panel::new("figure-6d", SIZE, [plot])
 }
 
 /// Shift in Hz, amplitude in mm, RMS voltage in V, as they are printed.

@@ -33,7 +33,7 @@ pub(crate) struct Peak {
 }
 
 /// The sliding harvester of a scene.
-fn sliding(base: &Scene) -> Result<&Sliding, Failure> {
+pub(crate) fn sliding(base: &Scene) -> Result<&Sliding, Failure> {
     match &base.model {
         Model::Sliding(model) => Ok(model),
         Model::ContactSeparation(_) | Model::BumpStop(_) => {
@@ -43,11 +43,6 @@ fn sliding(base: &Scene) -> Result<&Sliding, Failure> {
 }
 
 impl Case {
-    /// Natural frequency in Hz of the beam with its slider, without friction.
-    pub(super) fn natural_frequency_hz(base: &Scene) -> Result<f64, Failure> {
-        Ok(sliding(base)?.parameters.natural_frequency_hz())
-    }
-
     /// The steady states over `points` frequencies between two in Hz, and the peaks.
     pub(crate) fn resonance(
         &self,

@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use super::{Case, DENSITIES, Figure, Panel, ohms};
 use crate::method::Failure;
 use crate::outcome::{csv, number};
-use crate::report::plot::{Axis, Curve, Mark, Plot};
+use crate::report::chart::{Axis, Chart, Curve, Mark};
 use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION, range};
 use crate::scene_file::Scene;
 use crate::steady_state;
@@ -82,7 +82,7 @@ fn panel(
     (ordinate, value): Shown,
     [span, local]: [Option<[f64; 2]>; 2],
     curves: &[(String, &Response)],
-) -> Result<Panel, String> {
+) -> Panel {
     let across = span.or(local).unwrap_or(WIDE.0);
     let curves: Vec<Curve> = curves
         .iter()
@@ -103,17 +103,17 @@ fn panel(
     // A curve that is 0 throughout, as a voltage into 0 Ω, stands above the axis.
     let silent = curves.iter().any(|curve| curve.points.iter().all(|point| point.1 == 0.0));
     let low = if silent { -0.03 * high } else { low };
-    let plot = Plot {
+    let plot = Chart::new(
         title,
-        across: Axis::linear("excitation frequency [Hz]", across, 7),
-        up: Axis::linear(ordinate, [low, high], 8),
+        Axis::linear("excitation frequency [Hz]", across, 7),
+        Axis::linear(ordinate, [low, high], 8),
         curves,
-    };
-    Panel::new(name, SIZE, &[plot])
+    );
+    Panel::new(name, SIZE, [plot])
 }
 
 /// Figure 3.
-pub(super) fn three(all: &[Response], [base, note]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn three(all: &[Response], [base, note]: [&str; 2]) -> Figure {
     let case = |charge_density| (f64::to_string(&charge_density), Case { charge_density, resistance: LOAD });
     let wanted = of(all, FIGURE_THREE.map(case));
     let load = ohms(LOAD);
@@ -121,7 +121,7 @@ pub(super) fn three(all: &[Response], [base, note]: [&str; 2]) -> Result<Figure,
         let title = format!("Figure 3 ({letter}): charge density in µC/m², {load}, {base}");
         panel(&format!("figure-3{letter}"), title, shown, [Some(WIDE.0), None], &wanted)
     };
-    Ok(Figure {
+    Figure {
         label: "Figure 3",
         title: "Frequency responses of tip and voltage for five charge densities",
         caption: format!(
@@ -130,10 +130,10 @@ pub(super) fn three(all: &[Response], [base, note]: [&str; 2]) -> Result<Figure,
              more, the amplitude falls and the peak moves a little to the left, while the voltage still \
              grows. {note}"
         ),
-        panels: vec![drawn('a', AMPLITUDE)?, drawn('b', VOLTAGE)?],
+        panels: vec![drawn('a', AMPLITUDE), drawn('b', VOLTAGE)],
         table: Vec::new(),
         csv: numbers(wanted.iter().map(|(_, response)| *response)),
-    })
+    }
 }
 
 /// The responses to named cases.
@@ -148,27 +148,22 @@ fn at_density(all: &[Response], charge_density: f64) -> Vec<(String, &Response)>
 }
 
 /// Amplitude, local view of it, and voltage at one charge density.
-fn panels(
-    number: u32,
-    which: usize,
-    base: &str,
-    wanted: &[(String, &Response)],
-) -> Result<Vec<Panel>, String> {
+fn panels(number: u32, which: usize, base: &str, wanted: &[(String, &Response)]) -> Vec<Panel> {
     let title = |letter: char, what: &str| {
         format!("Figure {number} ({letter}): {} µC/m², {base}, {what}", DENSITIES[which])
     };
     let name = |letter: char| format!("figure-{number}{letter}");
-    Ok(vec![
-        panel(&name('a'), title('a', "amplitude"), AMPLITUDE, [Some(WIDE.0), None], wanted)?,
-        panel(&name('b'), title('b', "local view"), AMPLITUDE, [None, Some(NEAR[which])], wanted)?,
-        panel(&name('c'), title('c', "RMS voltage"), VOLTAGE, [Some(WIDE.0), None], wanted)?,
-    ])
+    vec![
+        panel(&name('a'), title('a', "amplitude"), AMPLITUDE, [Some(WIDE.0), None], wanted),
+        panel(&name('b'), title('b', "local view"), AMPLITUDE, [None, Some(NEAR[which])], wanted),
+        panel(&name('c'), title('c', "RMS voltage"), VOLTAGE, [Some(WIDE.0), None], wanted),
+    ]
 }
 
 /// Figure 4.
-pub(super) fn four(all: &[Response], [base, note]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn four(all: &[Response], [base, note]: [&str; 2]) -> Figure {
     let wanted = at_density(all, DENSITIES[0]);
-    Ok(Figure {
+    Figure {
         label: "Figure 4",
         title: "Frequency responses for five load resistances, small charge density",
         caption: format!(
@@ -177,16 +172,16 @@ pub(super) fn four(all: &[Response], [base, note]: [&str; 2]) -> Result<Figure, 
              fall with growing resistance, by 2 %. {note}",
             DENSITIES[0]
         ),
-        panels: panels(4, 0, base, &wanted)?,
+        panels: panels(4, 0, base, &wanted),
         table: Vec::new(),
         csv: numbers(wanted.iter().map(|(_, response)| *response)),
-    })
+    }
 }
 
 /// Figure 5.
-pub(super) fn five(all: &[Response], [base, note]: [&str; 2]) -> Result<Figure, String> {
+pub(super) fn five(all: &[Response], [base, note]: [&str; 2]) -> Figure {
     let wanted = at_density(all, DENSITIES[1]);
-    Ok(Figure {
+    Figure {
         label: "Figure 5",
         title: "Frequency responses for five load resistances, large charge density",
         caption: format!(
@@ -195,10 +190,10 @@ pub(super) fn five(all: &[Response], [base, note]: [&str; 2]) -> Result<Figure, 
              with more it comes back to the right and falls further. {note}",
             DENSITIES[1]
         ),
-        panels: panels(5, 1, base, &wanted)?,
+        panels: panels(5, 1, base, &wanted),
         table: Vec::new(),
         csv: numbers(wanted.iter().map(|(_, response)| *response)),
-    })
+    }
 }
 
 fn numbers<'a>(responses: impl Iterator<Item = &'a Response>) -> String {

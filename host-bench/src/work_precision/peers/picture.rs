@@ -4,15 +4,12 @@ use plotters::style::RGBColor;
 
 use super::Comparison;
 use crate::method::Failure;
-use crate::report::plot::{self, Axis, Curve, Plot};
-use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION, extremes};
+use crate::report::Picture;
+use crate::report::chart::{Axis, Chart, Curve, Mark};
+use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, extremes};
 
-/// Width of the picture and height of a plot.
-const SIZE: [u32; 2] = [1400, 420];
-
-/// Two more colours of Okabe and Ito.
+/// One more colour of Okabe and Ito.
 const SKY: RGBColor = RGBColor(86, 180, 233);
-const PURPLE: RGBColor = RGBColor(204, 121, 167);
 
 /// The colours of the methods of the core and of the peers.
 const CORE: [RGBColor; 3] = [BLUE, VERMILION, BLACK];
@@ -25,14 +22,13 @@ const THIN: [f64; 2] = [1.2, 5.0];
 /// Errors that are drawn.
 const ERRORS: [f64; 2] = [1e-7, 1.0];
 
-/// All plots as SVG text, one above the other.
+/// All charts as SVG text, one above the other.
 pub(crate) fn draw(comparisons: &[Comparison]) -> Result<String, Failure> {
-    let plots: Vec<Plot> = comparisons.iter().map(plot).collect();
-    let height = SIZE[1] * u32::try_from(plots.len()).unwrap_or(1);
-    plot::draw((SIZE[0], height), &plots).map_err(Failure::Input)
+    let charts = comparisons.iter().map(chart).collect();
+    Picture { width: 1400, charts, ..Picture::default() }.svg()
 }
 
-fn plot(comparison: &Comparison) -> Plot {
+fn chart(comparison: &Comparison) -> Chart {
     let mut curves: Vec<Curve> = Vec::new();
     let (mut cores, mut peers) = (CORE.iter().cycle(), PEERS.iter().cycle());
     for rows in &comparison.methods {
@@ -43,7 +39,7 @@ fn plot(comparison: &Comparison) -> Plot {
             let (cost, error) = (row.cost(comparison.by_count)?, row.error?);
             (ERRORS[0]..=ERRORS[1]).contains(&error).then_some((cost, error))
         });
-        curves.extend(Curve::dotted(first.method, colour, widths, points));
+        curves.push(Curve::new(first.method, colour, Mark::Dotted(widths), points));
     }
     let costs = curves.iter().flat_map(|curve| &curve.points).map(|point| point.0);
     let (least, most) = extremes(costs);
@@ -55,10 +51,7 @@ fn plot(comparison: &Comparison) -> Plot {
     };
     // Without a point there is nothing to scale.
     let span = if least < most { [decade(least, f64::floor), decade(most, f64::ceil)] } else { [1.0, 10.0] };
-    Plot {
-        title: format!("{}: error of mean power against cost", comparison.case.name),
-        across: Axis::logarithmic(across, span),
-        up: Axis::logarithmic("relative error of mean power", ERRORS),
-        curves,
-    }
+    let title = format!("{}: error of mean power against cost", comparison.case.name);
+    let up = Axis::logarithmic("relative error of mean power", ERRORS);
+    Chart { height: 420, ..Chart::new(title, Axis::logarithmic(across, span), up, curves) }
 }

@@ -1,223 +1,98 @@
-//! Curves and dots over linear or logarithmic axes, one plot above another.
+//! Charts as SVG, one above another.
 //!
-//! The drawing library draws the axes, on whole pixels. Curves and dots are SVG paths written here: they are finer than a
-//! pixel, and ten thousand dots are one short element.
+//! The drawing library draws the axes, on whole pixels. Curves, dots and cells are SVG paths written here: they are finer than
+//! a pixel, and ten thousand dots are one short element.
 
 use std::fmt::Write;
+use std::ops::Range;
 
 use plotters::prelude::*;
 
-use super::svg::{
-    Area, Drawn, FONT, GRID, Ticked, extremes, linear_ticks, logarithmic_label, logarithmic_ticks, range,
-    svg, tick, width_of,
-};
+use super::chart::{Chart, Curve, Field, Mark, SHADES, colour};
+use super::svg::{Area, Drawn, FONT, GRID, Ticked, hex, svg, width_of};
 
-/// An axis: its title and its span.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Axis {
-    /// The quantity with its unit.
-    pub(crate) title: String,
-    /// Its first and its last value.
-    pub(crate) span: [f64; 2],
-    /// Approximate number of labels.
-    pub(crate) ticks: usize,
-    logarithmic: bool,
-}
-
-impl Axis {
-    /// Equal distances for equal differences.
-    pub(crate) fn linear(title: impl Into<String>, span: [f64; 2], ticks: usize) -> Self {
-        Self { title: title.into(), span, ticks, logarithmic: false }
-    }
-
-    /// Equal distances for equal ratios.
-    pub(crate) fn logarithmic(title: impl Into<String>, span: [f64; 2]) -> Self {
-        Self { title: title.into(), span, ticks: 12, logarithmic: true }
-    }
-
-    /// The same over another span.
-    pub(crate) fn over(self, span: [f64; 2]) -> Self {
-        Self { span, ..self }
-    }
-
-    /// Whether equal distances are equal ratios.
-    pub(crate) fn is_logarithmic(&self) -> bool {
-        self.logarithmic
-    }
-
-    /// The place of a value on a linear scale.
-    fn place(&self, value: f64) -> f64 {
-        if self.logarithmic { value.log10() } else { value }
-    }
-
-    /// Places of the ticks.
-    fn places(&self) -> Vec<f64> {
-        let [first, last] = self.span.map(|value| self.place(value));
-        if self.logarithmic {
-            logarithmic_ticks(first, last, self.ticks)
-        } else {
-            linear_ticks(first, last, self.ticks)
-        }
-    }
-
-    /// The number at a place among all of them.
-    fn label(&self, place: f64, all: &[f64]) -> String {
-        if self.logarithmic { logarithmic_label(place, all) } else { tick(place) }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Mark {
-    /// A line through them, of this width.
-    Line(f64),
-    /// A dashed line through them, of this width.
-    Dashes(f64),
-    /// A dot for each, of this diameter.
-    Dots(f64),
-    /// A ring around each, of this diameter.
-    Rings(f64),
-}
-
-/// Points with a colour and a mark.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Curve {
-    /// Name in the legend; empty for a curve that the legend does not have.
-    pub(crate) name: String,
-    pub(crate) colour: RGBColor,
-    pub(crate) mark: Mark,
-    /// A line has a gap at a point that is not a number.
-    pub(crate) points: Vec<(f64, f64)>,
-    /// For each point half the length of its vertical bar, such as a standard deviation; empty without bars.
-    pub(crate) bars: Vec<f64>,
-    /// For each point what a page says of it besides its values; empty without.
-    pub(crate) notes: Vec<String>,
-}
-
-/// Least part of the height of a curve that a jump has, and how much larger than the differences beside it it is.
-const JUMP: [f64; 2] = [0.08, 5.0];
-
-impl Curve {
-    pub(crate) fn new(
-        name: impl Into<String>,
-        colour: RGBColor,
-        mark: Mark,
-        points: impl IntoIterator<Item = (f64, f64)>,
-    ) -> Self {
-        let points = points.into_iter().collect();
-        Self { name: name.into(), colour, mark, points, bars: Vec::new(), notes: Vec::new() }
-    }
-
-    /// The same with a vertical bar at each point, of these half lengths.
-    pub(crate) fn with_bars(self, bars: Vec<f64>) -> Self {
-        Self { bars, ..self }
-    }
-
-    /// The same with a text for each point, which a page shows.
-    pub(crate) fn with_notes(self, notes: Vec<String>) -> Self {
-        Self { notes, ..self }
-    }
-
-    /// The same with a gap at each jump: where two neighbours differ by much more than those beside them, a line between
-    /// them would be no measured slope.
-    pub(crate) fn broken_at_jumps(self) -> Self {
-        let points = &self.points;
-        let (low, high) = extremes(points.iter().map(|point| point.1));
-        let difference = |index: Option<usize>| {
-            let pair = index.and_then(|index| Some([points.get(index)?.1, points.get(index + 1)?.1]));
-            pair.map_or(0.0, |[one, next]| (next - one).abs())
-        };
-        let jumps = |index: usize| {
-            let beside = difference(index.checked_sub(1)).max(difference(Some(index + 1)));
-            let here = difference(Some(index));
-            here > JUMP[0] * (high - low) && here > JUMP[1] * beside
-        };
-        // Fewer points have no neighbours to compare with.
-        if points.len() < 5 {
-            return self;
-        }
-        let mut broken = Vec::with_capacity(points.len());
-        for (index, point) in points.iter().enumerate() {
-            broken.push(*point);
-            if jumps(index) {
-                broken.push((f64::NAN, f64::NAN));
-            }
-        }
-        Self { points: broken, ..self }
-    }
-
-    /// A line of this width with a dot of this diameter at each point.
-    pub(crate) fn dotted(
-        name: impl Into<String>,
-        colour: RGBColor,
-        [line, dot]: [f64; 2],
-        points: impl IntoIterator<Item = (f64, f64)>,
-    ) -> [Self; 2] {
-        let line = Self::new(name, colour, Mark::Line(line), points);
-        let dots = Self::new("", colour, Mark::Dots(dot), line.points.clone());
-        [line, dots]
-    }
-}
-
-/// The range of the ordinates of some curves, with a margin.
-pub(crate) fn height<'a>(curves: impl IntoIterator<Item = &'a Curve>) -> [f64; 2] {
-    let (low, high) = range(curves.into_iter().flat_map(|curve| &curve.points).map(|point| point.1));
-    [low, high]
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Plot {
-    pub(crate) title: String,
-    pub(crate) across: Axis,
-    pub(crate) up: Axis,
-    pub(crate) curves: Vec<Curve>,
-}
-
-/// Height of the row above a plot that names its curves.
+/// Height of the row above a chart that names its curves.
 const LEGEND: i32 = 26;
 /// Room at the left for the numbers and the title of the axis.
 const LEFT: i32 = 72;
 /// Room around it.
 const MARGIN: i32 = 10;
 const RIGHT: i32 = 26;
+/// Width of the scale of colours.
+const SCALE: i32 = 130;
 /// Text; the library's size is 1.24 times what an SVG calls it.
 const TITLE: (&str, u32) = (FONT, 20);
 const TEXT: (&str, u32) = (FONT, 18);
+/// Height of the title above all charts.
+const HEAD: u32 = 30;
 
-/// The font of a title that is not wider than its plot.
+/// The font of a title that is not wider than its chart.
 fn title_of(title: &str, width: i32) -> (&'static str, u32) {
     let sizes = (13..=TITLE.1).rev();
     let mut fitting = sizes.filter(|size| width_of(title, *size) <= width);
     (TITLE.0, fitting.next().unwrap_or(13))
 }
 
-/// The plots, one above the other and equally high, as SVG text.
-pub(crate) fn draw(size: (u32, u32), plots: &[Plot]) -> Result<String, String> {
+/// The charts as SVG text below a title: from left to right where two have half of the width, else one below the other.
+/// At the bottom stands a figure, if there is one, with its height.
+pub(crate) fn draw(
+    width: u32,
+    title: &str,
+    charts: &[Chart],
+    figure: Option<&(u32, String)>,
+) -> Result<String, String> {
+    let head = if title.is_empty() { 0 } else { HEAD };
+    let (mut left, mut top, mut bottom) = (0, head, head);
+    let mut places = Vec::new();
+    for chart in charts.iter().filter(|chart| !chart.is_of_page) {
+        let wide = if chart.is_half { width / 2 } else { width };
+        if left + wide > width {
+            (left, top) = (0, bottom);
+        }
+        places.push((chart, (left, top), (wide, chart.height)));
+        (left, bottom) = (left + wide, bottom.max(top + chart.height));
+    }
     let mut paths = String::new();
-    let frame = svg(size, |area| {
-        for (part, plot) in area.split_evenly((plots.len(), 1)).iter().zip(plots) {
-            axes(part, plot, &mut paths)?;
+    let below = figure.map_or(0, |(height, _)| *height);
+    let frame = svg((width, (bottom + below).max(1)), |area| {
+        if !title.is_empty() {
+            area.clone().shrink((0, 0), (width, HEAD)).titled(title, title_of(title, width.cast_signed()))?;
+        }
+        for (chart, place, size) in &places {
+            axes(&area.clone().shrink(*place, *size), chart, &mut paths)?;
         }
         Ok(())
     })?;
+    if let Some((_, figure)) = figure {
+        paths += &figure.replacen("<svg ", &format!("<svg y=\"{bottom}\" "), 1);
+    }
     let end = frame.rfind("</svg>").ok_or("an SVG without an end")?;
     let (frame, end) = frame.split_at(end);
     Ok(format!("{frame}{paths}{end}"))
 }
 
-/// Draws the axes, and appends the paths of the curves to `paths`.
-fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
+/// Draws the axes, and appends the paths of cells and curves to `paths`.
+fn axes(area: &Area<'_>, chart: &Chart, paths: &mut String) -> Drawn {
     let (columns, _) = area.get_pixel_range();
-    let mut area = area.titled(&plot.title, title_of(&plot.title, columns.end - columns.start))?;
-    let names = entries(&plot.curves, columns.end - columns.start);
+    let wide = columns.end - columns.start;
+    let mut area = area.titled(&chart.title, title_of(&chart.title, wide))?;
+    if !chart.note.is_empty() {
+        area = area.titled(&chart.note, title_of(&chart.note, wide))?;
+    }
+    let names = entries(&chart.curves, wide);
     if let Some(last) = names.last() {
         let (above, below) = area.split_vertically(LEGEND * (last.row + 1));
         legend(&above, &names, paths)?;
         area = below;
     }
-    let [left, right] = plot.across.span.map(|value| plot.across.place(value));
-    let [low, high] = plot.up.span.map(|value| plot.up.place(value));
-    let [columns, rows] = [plot.across.places(), plot.up.places()];
-    let mut chart = ChartBuilder::on(&area)
+    if let Some(field) = &chart.field {
+        let (body, scale) = area.split_horizontally(wide - SCALE);
+        scale_of(&scale, field)?;
+        area = body;
+    }
+    let ([left, right], [low, high]) = (chart.across.ends(), chart.up.ends());
+    let [columns, rows] = [chart.across.places(), chart.up.places()];
+    let mut drawn = ChartBuilder::on(&area)
         .margin_top(8)
         .margin_left(MARGIN)
         .margin_bottom(MARGIN)
@@ -225,20 +100,26 @@ fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
         .x_label_area_size(50)
         .y_label_area_size(LEFT)
         .build_cartesian_2d(Ticked::new([left, right], &columns), Ticked::new([low, high], &rows))?;
-    chart
+    drawn
         .configure_mesh()
-        .x_desc(plot.across.title.as_str())
-        .y_desc(plot.up.title.as_str())
+        .x_desc(chart.across.title.as_str())
+        .y_desc(chart.up.title.as_str())
         .label_style(TEXT)
         .axis_desc_style(TEXT)
         .bold_line_style(GRID)
         .light_line_style(TRANSPARENT)
-        .x_label_formatter(&|x| plot.across.label(*x, &columns))
-        .y_label_formatter(&|y| plot.up.label(*y, &rows))
+        .x_label_formatter(&|x| chart.across.label(*x, &columns))
+        .y_label_formatter(&|y| chart.up.label(*y, &rows))
         .draw()?;
+    marks(paths, chart, drawn.plotting_area().get_pixel_range());
+    Ok(())
+}
+
+/// Appends the paths of cells and curves within the axes at these pixels.
+fn marks(paths: &mut String, chart: &Chart, (columns, rows): (Range<i32>, Range<i32>)) {
     // The last pixel of the library's range is part of the axis.
-    let (columns, rows) = chart.plotting_area().get_pixel_range();
     let (width, height) = (columns.end - columns.start - 1, rows.end - rows.start - 1);
+    let ([left, right], [low, high]) = (chart.across.ends(), chart.up.ends());
     // An inner SVG element clips the curves at the axes. A clip path would need a name, and names clash where one page
     // holds several pictures.
     let _ = writeln!(
@@ -247,10 +128,13 @@ fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
         columns.start, rows.start
     );
     let place = |&(x, y): &(f64, f64)| {
-        let (x, y) = (plot.across.place(x), plot.up.place(y));
+        let (x, y) = (chart.across.place(x), chart.up.place(y));
         [(x - left) / (right - left) * f64::from(width), (high - y) / (high - low) * f64::from(height)]
     };
-    for curve in &plot.curves {
+    if let Some(field) = &chart.field {
+        cells(paths, field, place);
+    }
+    for curve in &chart.curves {
         if !curve.bars.is_empty() {
             let ends = curve
                 .points
@@ -259,9 +143,57 @@ fn axes(area: &Area<'_>, plot: &Plot, paths: &mut String) -> Drawn {
                 .flat_map(|(&(x, y), bar)| [place(&(x, y - bar)), place(&(x, y + bar)), [f64::NAN; 2]]);
             path(paths, curve.colour, Mark::Line(1.0), ends);
         }
-        path(paths, curve.colour, curve.mark, curve.points.iter().map(place));
+        for mark in curve.mark.parts().into_iter().flatten() {
+            path(paths, curve.colour, mark, curve.points.iter().map(place));
+        }
     }
     paths.push_str("</svg>\n");
+}
+
+/// The cells of each colour as one path, on whole pixels.
+fn cells(paths: &mut String, field: &Field, place: impl Fn(&(f64, f64)) -> [f64; 2]) {
+    let [across, up] = &field.edges;
+    let left: Vec<i64> = across.iter().map(|x| place(&(*x, up[0]))[0].round() as i64).collect();
+    let top: Vec<i64> = up.iter().map(|y| place(&(across[0], *y))[1].round() as i64).collect();
+    let shades = field.shades();
+    for shade in 0..SHADES {
+        let mut ways = String::new();
+        for (index, _) in shades.iter().enumerate().filter(|(_, found)| **found == Some(shade)) {
+            let (column, row) = (index % (left.len() - 1), index / (left.len() - 1));
+            let (wide, high) = (left[column + 1] - left[column], top[row] - top[row + 1]);
+            let _ = write!(ways, "M{} {}h{wide}v{high}h-{wide}z", left[column], top[row + 1]);
+        }
+        if !ways.is_empty() {
+            let _ = writeln!(paths, "<path fill=\"{}\" d=\"{ways}\"/>", hex(colour(shade)));
+        }
+    }
+}
+
+/// The scale of the colours, from the least value to the largest.
+fn scale_of(area: &Area<'_>, field: &Field) -> Drawn {
+    let [low, high] = field.scale.ends();
+    // One value has no range.
+    let [bottom, top] = if high > low { [low, high] } else { [low, low + low.abs().max(1e-300)] };
+    let ticks = if high > low { field.scale.places() } else { vec![low] };
+    let mut bar = ChartBuilder::on(area)
+        .margin_top(8)
+        .margin_right(MARGIN)
+        .margin_bottom(50 + MARGIN)
+        .y_label_area_size(LEFT)
+        .build_cartesian_2d(0.0..1.0, Ticked::new([bottom, top], &ticks))?;
+    bar.configure_mesh()
+        .disable_mesh()
+        .disable_x_axis()
+        .label_style(TEXT)
+        .axis_desc_style(TEXT)
+        .y_desc(field.scale.title.as_str())
+        .y_label_formatter(&|place| field.scale.label(*place, &ticks))
+        .draw()?;
+    bar.draw_series((0..SHADES).map(|index| {
+        let edge = |index: usize| bottom + (top - bottom) * index as f64 / SHADES as f64;
+        let shade = if high > low { index } else { SHADES / 2 };
+        Rectangle::new([(0.0, edge(index)), (1.0, edge(index + 1))], colour(shade).filled())
+    }))?;
     Ok(())
 }
 
@@ -298,9 +230,9 @@ fn legend(area: &Area<'_>, entries: &[Entry<'_>], paths: &mut String) -> Drawn {
         let ends =
             [left, left + SAMPLE[0]].map(|x| [f64::from(columns.start + x), f64::from(rows.start + middle)]);
         let between = [0.5 * (ends[0][0] + ends[1][0]), ends[0][1]];
-        match curve.mark {
-            Mark::Dots(_) | Mark::Rings(_) => path(paths, curve.colour, curve.mark, std::iter::once(between)),
-            Mark::Line(_) | Mark::Dashes(_) => path(paths, curve.colour, curve.mark, ends.into_iter()),
+        match curve.mark.parts() {
+            [Some(line), _] => path(paths, curve.colour, line, ends.into_iter()),
+            [None, dot] => path(paths, curve.colour, dot.unwrap_or(curve.mark), std::iter::once(between)),
         }
         let place = (left + SAMPLE[0] + SAMPLE[1], middle - 8);
         area.draw(&Text::new(curve.name.as_str(), place, TEXT.into_font()))?;
@@ -349,17 +281,12 @@ fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<
             level(part);
         }
     }
-    let RGBColor(red, green, blue) = colour;
-    let _ = write!(paths, "<path fill=\"none\" stroke=\"#{red:02X}{green:02X}{blue:02X}\" ");
-    let _ = match mark {
-        Mark::Line(width) => write!(paths, "stroke-width=\"{width}\" stroke-linejoin=\"round\""),
-        Mark::Dashes(width) => {
-            write!(paths, "stroke-width=\"{width}\" stroke-linejoin=\"round\" stroke-dasharray=\"7 5\"")
-        }
-        Mark::Dots(width) | Mark::Rings(width) => {
-            write!(paths, "stroke-width=\"{width}\" stroke-linecap=\"round\"")
-        }
-    };
+    let _ = write!(paths, "<path fill=\"none\" stroke=\"{}\" ", hex(colour));
+    let _ = write!(paths, "stroke-width=\"{}\" stroke-line", mark.size());
+    paths.push_str(if is_dots { "cap=\"round\"" } else { "join=\"round\"" });
+    if matches!(mark, Mark::Dashes(_)) {
+        paths.push_str(" stroke-dasharray=\"7 5\"");
+    }
     paths.push_str(" d=\"");
     let tenth = |value: i64| {
         let text = format!("{:.1}", value as f64 / 10.0);
@@ -380,11 +307,13 @@ fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::chart::Axis;
     use crate::report::svg::{BLUE, GREEN};
 
     fn plot(across: Axis, curves: Vec<Curve>) -> String {
         let up = Axis::linear("value", [0.0, 1.0], 5);
-        draw((560, 430), &[Plot { title: "Title".to_owned(), across, up, curves }]).expect("a picture")
+        let chart = Chart { height: 430, ..Chart::new("Title", across, up, curves) };
+        draw(560, "", &[chart], None).expect("a picture")
     }
 
     /// Texts of a picture with their places.
