@@ -7,18 +7,17 @@ mod check;
 mod contact_band;
 mod convergence;
 mod impacts;
-mod list;
 mod phases;
 mod resistance;
-mod sampling;
-mod scenes;
+mod runs;
 mod shapes;
 mod shunt;
 mod statistics;
-mod storage;
 
+use self::check::check;
 pub use self::check::{Bound, Check};
-pub use self::list::{FINDINGS, Finding};
+
+use std::sync::LazyLock;
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -53,6 +52,36 @@ impl Mark {
     }
 }
 
+/// A result that a paper states, as an assertion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finding {
+    /// Its number; a letter for what no parameters tried reproduce.
+    pub number: &'static str,
+    /// Where the paper states it.
+    pub source: &'static str,
+    pub statement: &'static str,
+    /// The scenes that show it, and what is changed in them.
+    pub scene: &'static str,
+    /// The expected mark.
+    pub mark: Mark,
+    /// What to know of the mark; empty if nothing.
+    pub note: &'static str,
+}
+
+/// All findings: the second paper's from 1 to 20, the first paper's from 21 to 43, and what is not reproduced. A line of the
+/// list has number, mark, source, scene, statement and note.
+pub static FINDINGS: LazyLock<Vec<Finding>> = LazyLock::new(|| {
+    let line = |line: &'static str| {
+        let mut cells = line.split('|').map(str::trim);
+        let mut cell = || cells.next().unwrap_or_default();
+        let (number, mark) = (cell(), cell());
+        let marks = [Mark::Shown, Mark::Chosen, Mark::NotShown];
+        let mark = marks.into_iter().find(|known| known.name() == mark).unwrap_or(Mark::Stopped);
+        Finding { number, mark, source: cell(), scene: cell(), statement: cell(), note: cell() }
+    };
+    include_str!("findings/list.txt").lines().map(line).collect()
+});
+
 /// A finding as measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
@@ -77,8 +106,8 @@ impl Row {
     }
 }
 
-/// Checks by the number of their finding.
-type Measured = Vec<(&'static str, Vec<Check>)>;
+/// The checks of some findings; those of one in their order.
+type Measured = Vec<Check>;
 
 /// Runs from which some findings are measured together.
 struct Experiment {
@@ -92,12 +121,11 @@ impl Experiment {
     /// Without a `single_start` each says whether displaced starts of the runs lead elsewhere.
     fn measured(&self, single_start: bool) -> Result<Measured, Failure> {
         let stopped = |error: String| {
-            let checks = vec![Check::new(error.split(": ").next().unwrap_or_default(), [], Bound::Completes)];
-            self.numbers.iter().map(|number| (*number, checks.clone())).collect()
+            let error = error.split(": ").next().unwrap_or_default();
+            self.numbers.iter().map(|number| check(number, error, [], Bound::Completes)).collect()
         };
         let mut found = stopped_as_text((self.measure)())?.unwrap_or_else(stopped);
-        let of_runs =
-            found.iter_mut().flat_map(|(_, checks)| checks).flat_map(|check| check.scenes.drain(..));
+        let of_runs = found.iter_mut().flat_map(|check| check.scenes.drain(..));
         let scenes: Vec<_> = of_runs.map(|scene| (scene, Options::default())).collect();
         if single_start {
             return Ok(found);
@@ -105,8 +133,9 @@ impl Experiment {
         let warnings: Vec<String> = elsewhere(&scenes)?.into_iter().flatten().collect();
         if let Some(first) = warnings.first() {
             let quantity = format!("of {} runs these may have other motions: {first}", scenes.len());
-            let check = Check::new(quantity, [warnings.len() as f64], Bound::Reported);
-            found.iter_mut().for_each(|(_, checks)| checks.push(check.clone()));
+            let warned = [warnings.len() as f64];
+            let warning = |number: &&'static str| check(number, &*quantity, warned, Bound::Reported);
+            found.extend(self.numbers.iter().map(warning));
         }
         Ok(found)
     }
@@ -121,7 +150,7 @@ static EXPERIMENTS: [Experiment; 13] = [
         measure: phases::measure,
     },
     Experiment { numbers: &["31", "32"], measure: shunt::measure },
-    Experiment { numbers: &["20"], measure: storage::measure },
+    Experiment { numbers: &["20"], measure: convergence::measure_storage },
     Experiment { numbers: &["14", "15", "17"], measure: shapes::measure },
     Experiment { numbers: &["c", "d"], measure: phases::measure_not_reproduced },
     Experiment { numbers: &["37", "38", "39"], measure: impacts::measure },
@@ -161,12 +190,13 @@ pub fn measure(
 }
 
 /// The rows of these findings.
-fn rows(wanted: Vec<&'static Finding>, mut measured: Measured) -> Result<Vec<Row>, Failure> {
+fn rows(wanted: Vec<&'static Finding>, measured: Measured) -> Result<Vec<Row>, Failure> {
     let row = |finding: &'static Finding| {
-        let at = measured.iter().position(|(number, checks)| *number == finding.number && !checks.is_empty());
-        let (_, checks) = at
-            .map(|at| measured.swap_remove(at))
-            .ok_or_else(|| Failure::Step(format!("findings: finding {} was not measured", finding.number)))?;
+        let number = finding.number;
+        let checks: Vec<Check> = measured.iter().filter(|check| check.number == number).cloned().collect();
+        if checks.is_empty() {
+            return Err(Failure::Step(format!("findings: finding {number} was not measured")));
+        }
         Ok(Row { finding, checks })
     };
     wanted.into_iter().map(row).collect()

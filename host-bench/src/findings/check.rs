@@ -28,6 +28,8 @@ pub enum Bound {
 /// Measured values of one quantity, and what is asserted of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Check {
+    /// The number of its finding.
+    pub(super) number: &'static str,
     /// The quantity with its unit.
     pub quantity: String,
     pub values: Vec<f64>,
@@ -36,11 +38,17 @@ pub struct Check {
     pub(super) scenes: Vec<Scene>,
 }
 
-impl Check {
-    pub(super) fn new(quantity: impl Into<String>, values: impl Into<Vec<f64>>, bound: Bound) -> Self {
-        Self { quantity: quantity.into(), values: values.into(), bound, scenes: Vec::new() }
-    }
+/// A check of the finding with this number.
+pub(super) fn check(
+    number: &'static str,
+    quantity: impl Into<String>,
+    values: impl Into<Vec<f64>>,
+    bound: Bound,
+) -> Check {
+    Check { number, quantity: quantity.into(), values: values.into(), bound, scenes: Vec::new() }
+}
 
+impl Check {
     /// With the scenes of its runs.
     pub(super) fn of(self, scenes: impl IntoIterator<Item = Scene>) -> Self {
         Self { scenes: scenes.into_iter().collect(), ..self }

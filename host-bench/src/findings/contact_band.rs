@@ -1,8 +1,8 @@
 //! The impacting band of contact-separation over frequency: findings 33 to 36, 40, 41 and 43.
 
-use super::scenes::{Changes, each, scene, value};
+use super::runs::{Changes, each, scene, value};
 use super::statistics::{largest, least};
-use super::{Bound, Check, Measured};
+use super::{Bound::*, Measured, check};
 use crate::method::{Failure, Options};
 use crate::run::run_scene;
 use crate::scene_file::Scene;
@@ -139,73 +139,44 @@ pub(super) fn measure() -> Result<Measured, Failure> {
     let same_peaks = small.map(|band| (band.peak_mm / small[0].peak_mm - 1.0).abs());
     let scenes = [&high, &low, &middle, &energy].into_iter().flatten().flat_map(|band| band.scenes.clone());
     Ok(vec![
-        (
-            "33",
-            vec![
-                Check::new("largest gap [mm], 5 to 50 µC/m², 100 MΩ", peaks(&high), Bound::Falls).of(scenes),
-                Check::new("the same at 1 MΩ [mm]", peaks(&low), Bound::Falls),
-                Check::new("last / first, 100 MΩ and 1 MΩ", [ratio(&high), ratio(&low)], Bound::Below(0.93)),
-                Check::new("law gap-field: last / first", [ratio(&energy)], Bound::Reported),
-            ],
-        ),
-        (
+        check("33", "largest gap [mm], 5 to 50 µC/m², 100 MΩ", peaks(&high), Falls).of(scenes),
+        check("33", "the same at 1 MΩ [mm]", peaks(&low), Falls),
+        check("33", "last / first, 100 MΩ and 1 MΩ", [ratio(&high), ratio(&low)], Below(0.93)),
+        check("33", "law gap-field: last / first", [ratio(&energy)], Reported),
+        check("34", "lower edge [Hz], 5 to 50 µC/m², 100 MΩ", edges(&high, 0), Falls),
+        check("34", "upper edge [Hz]", edges(&high, 1), Falls),
+        check("34", "the same at 1 MΩ: lower [Hz]", edges(&low, 0), Falls),
+        check("34", "upper [Hz]", edges(&low, 1), Falls),
+        check(
             "34",
-            vec![
-                Check::new("lower edge [Hz], 5 to 50 µC/m², 100 MΩ", edges(&high, 0), Bound::Falls),
-                Check::new("upper edge [Hz]", edges(&high, 1), Bound::Falls),
-                Check::new("the same at 1 MΩ: lower [Hz]", edges(&low, 0), Bound::Falls),
-                Check::new("upper [Hz]", edges(&low, 1), Bound::Falls),
-                Check::new(
-                    "law gap-field, 50 µC/m²: edges [Hz]",
-                    energy.last().map_or([f64::NAN; 2], |band| band.edges),
-                    Bound::Reported,
-                ),
-            ],
+            "law gap-field, 50 µC/m²: edges [Hz]",
+            energy.last().map_or([f64::NAN; 2], |band| band.edges),
+            Reported,
         ),
-        (
-            "35",
-            vec![
-                Check::new("width at 50 less at 5 µC/m² [Hz], 100 MΩ", [widening(&high)], Bound::Above(0.2)),
-                Check::new("at 1 MΩ [Hz]", [widening(&low)], Bound::Within(0.05, widening(&high))),
-            ],
-        ),
-        (
-            "36",
-            vec![
-                Check::new("lower edge [Hz], 5 to 50 µC/m², 100 MΩ", edges(&high, 0), Bound::Falls),
-                Check::new("at 50 µC/m² [Hz]: 1, 10, 100 MΩ", large.map(|band| band.edges[0]), Bound::Falls),
-            ],
-        ),
-        (
+        check("35", "width at 50 less at 5 µC/m² [Hz], 100 MΩ", [widening(&high)], Above(0.2)),
+        check("35", "at 1 MΩ [Hz]", [widening(&low)], Within(0.05, widening(&high))),
+        check("36", "lower edge [Hz], 5 to 50 µC/m², 100 MΩ", edges(&high, 0), Falls),
+        check("36", "at 50 µC/m² [Hz]: 1, 10, 100 MΩ", large.map(|band| band.edges[0]), Falls),
+        check("40", "5 µC/m²: move of the edges from 1 MΩ [Hz]", same_edges, Below(0.02)),
+        check("40", "5 µC/m²: change of the largest gap", same_peaks, Below(1e-3)),
+        check(
             "40",
-            vec![
-                Check::new("5 µC/m²: move of the edges from 1 MΩ [Hz]", same_edges, Bound::Below(0.02)),
-                Check::new("5 µC/m²: change of the largest gap", same_peaks, Bound::Below(1e-3)),
-                Check::new(
-                    "largest change where both have impacts or neither, 10 and 100 MΩ",
-                    differences(small),
-                    Bound::Below(5e-3),
-                ),
-            ],
+            "largest change where both have impacts or neither, 10 and 100 MΩ",
+            differences(small),
+            Below(5e-3),
         ),
-        (
+        check("41", "50 µC/m²: width [Hz], 1, 10, 100 MΩ", large.map(Band::width), Rises),
+        check(
             "41",
-            vec![
-                Check::new("50 µC/m²: width [Hz], 1, 10, 100 MΩ", large.map(Band::width), Bound::Rises),
-                Check::new(
-                    "largest change where both have impacts or neither, 10 and 100 MΩ",
-                    differences(large),
-                    Bound::Reported,
-                ),
-            ],
+            "largest change where both have impacts or neither, 10 and 100 MΩ",
+            differences(large),
+            Reported,
         ),
-        (
+        check(
             "43",
-            vec![Check::new(
-                "5 µC/m²: largest change where both have impacts or neither",
-                differences(small),
-                Bound::Below(5e-3),
-            )],
+            "5 µC/m²: largest change where both have impacts or neither",
+            differences(small),
+            Below(5e-3),
         ),
     ])
 }

@@ -1,13 +1,15 @@
-//! Modes and steps of the second paper: findings 18 and 19.
+//! Modes, steps and storage of the second paper: findings 18 to 20.
 
-use super::scenes::{NEAR_RESONANCE, PAPER, bump_stop, each, scene, value};
+use super::runs::{NEAR_RESONANCE, PAPER, each, each_of, scene, value};
 use super::statistics::{largest, smallest, spread};
-use super::{Bound, Check, Measured};
+use super::{Bound::*, Measured, check};
+use crate::figures::bump_stop::convergence::{self as figures, Found};
 use crate::method::{Failure, Options};
 use crate::run::run_scene;
+use crate::scene_file::{Contact, Scene};
 
 /// Numbers of modes of beam and rod.
-const MODES: [[&str; 2]; 5] = [["4", "1"], ["6", "2"], ["8", "3"], ["10", "10"], ["14", "6"]];
+const MODES: [(usize, usize); 5] = [(4, 1), (6, 2), (8, 3), (10, 10), (14, 6)];
 /// The first with which the results have converged.
 const CONVERGED: usize = 1;
 /// Steps near contact in s.
@@ -15,24 +17,11 @@ const STEPS_S: [f64; 3] = [1e-6, 5e-7, 2.5e-7];
 /// Step in free flight in s.
 const LONG_STEP_S: f64 = 2e-5;
 
-/// The numbers of a run.
-struct Found {
-    rms_voltage_v: f64,
-    mean_force_n: f64,
-    contacts_per_period: f64,
-}
-
 /// Runs a scene with numbers of modes of beam and rod and a step near contact in s.
-fn found(name: &str, [beam, rod]: [&str; 2], step_s: f64) -> Result<Found, Failure> {
-    let scene = scene(name, &[("parameters.beam_modes", beam), ("stop.rod_modes", rod)])?;
+fn found(name: &str, modes: (usize, usize), step_s: f64) -> Result<Found, Failure> {
+    let scene = scene(name, &[])?;
     let options = Options { step_s: Some(step_s), long_step_s: Some(LONG_STEP_S), ..Options::default() };
-    let outcome = run_scene(&scene, &options)?;
-    let contacts = bump_stop(&outcome)?;
-    Ok(Found {
-        rms_voltage_v: value(outcome.rms_voltage_v),
-        mean_force_n: value(contacts.mean_force_n),
-        contacts_per_period: value(contacts.contacts_per_period),
-    })
+    figures::found(&scene, modes, Contact::ResidualFlexibility, scene.run, &options)
 }
 
 /// Largest less smallest value over the smallest.
@@ -58,8 +47,8 @@ pub(super) fn measure() -> Result<Measured, Failure> {
     let tip = all.split_off(all.len() - MODES.len());
     let near = all.split_off(finer.len());
     let mut steps = all;
-    let voltage = |found: &Found| found.rms_voltage_v;
-    let force = |found: &Found| found.mean_force_n;
+    let voltage = |found: &Found| found.rms_voltage;
+    let force = |found: &Found| found.mean_force;
     let spreads = |of: fn(&Found) -> f64| [&tip, &mid].map(|found| relative_spread(&found[CONVERGED..], of));
     let contacts = |found: &[Found]| {
         let counts = || found.iter().map(|found| found.contacts_per_period);
@@ -72,27 +61,40 @@ pub(super) fn measure() -> Result<Measured, Failure> {
     let listed = tip.iter().map(voltage).collect::<Vec<_>>();
     steps.extend(tip.into_iter().skip(CONVERGED).take(1));
     Ok(vec![
-        (
+        check("18", "spread of the RMS voltage, 6 to 14 modes, tip and mid-span", modes_voltage, Below(5e-3)),
+        check("18", "spread of the mean force", modes_force, Below(2e-3)),
+        check(
             "18",
-            vec![
-                Check::new(
-                    "spread of the RMS voltage, 6 to 14 modes, tip and mid-span",
-                    modes_voltage,
-                    Bound::Below(5e-3),
-                ),
-                Check::new("spread of the mean force", modes_force, Bound::Below(2e-3)),
-                Check::new(
-                    "spread of the RMS voltage, steps of 1, 0.5, 0.25 µs",
-                    [relative_spread(&steps, voltage)],
-                    Bound::Below(5e-3),
-                ),
-                Check::new("contacts per period, most / fewest", [contacts], Bound::Above(1.3)),
-                Check::new("RMS voltage with 4, 6, 8, 10, 14 modes [V]", listed, Bound::Reported),
-            ],
+            "spread of the RMS voltage, steps of 1, 0.5, 0.25 µs",
+            [relative_spread(&steps, voltage)],
+            Below(5e-3),
         ),
-        (
-            "19",
-            vec![Check::new("spread over 4 to 10 modes, 220 Hz / 44 Hz", [sensitivity], Bound::Above(3.0))],
+        check("18", "contacts per period, most / fewest", [contacts], Above(1.3)),
+        check("18", "RMS voltage with 4, 6, 8, 10, 14 modes [V]", listed, Reported),
+        check("19", "spread over 4 to 10 modes, 220 Hz / 44 Hz", [sensitivity], Above(3.0)),
+    ])
+}
+
+/// Finding 20.
+pub(super) fn measure_storage() -> Result<Measured, Failure> {
+    let charging = scene("bump-stop-paper-charging", &[])?;
+    let stored = each_of(PAPER, |name| {
+        let scene = Scene { load: charging.load, run: charging.run, ..scene(name, &[])? };
+        let outcome = run_scene(&scene, &Options::default())?;
+        let store =
+            outcome.store.ok_or_else(|| Failure::of_file(&scene, "load.kind must be \"rectified-store\""))?;
+        Ok([value(store.store_voltage_v), 1e6 * value(store.stored_energy_j)])
+    })?;
+    let voltages = stored.map(|[voltage, _]| voltage);
+    let [tip, mid, none] = voltages;
+    Ok(vec![
+        check(
+            "20",
+            "voltage after 5 s, mid-span / tip, none / mid-span",
+            [mid / tip, none / mid],
+            Above(1.15),
         ),
+        check("20", "voltage [V]: tip, mid-span, none", voltages, Reported),
+        check("20", "energy [µJ]: tip, mid-span, none", stored.map(|[_, energy]| energy), Reported),
     ])
 }

@@ -1,8 +1,8 @@
 //! Impacts and periodicity of contact-separation: findings 37 to 39; the parasitic capacitance: finding 42.
 
-use super::scenes::{Changes, each_of, run, scene, value};
+use super::runs::{Changes, each_of, run, scene, value};
 use super::statistics::spread;
-use super::{Bound, Check, Measured};
+use super::{Bound::*, Measured, check};
 use crate::method::{Failure, Options};
 use crate::outcome::ContactSeparationOutcome;
 use crate::run::run_scene;
@@ -49,38 +49,20 @@ pub(super) fn measure() -> Result<Measured, Failure> {
         |(frequency, duration)| stroboscopic_spread(frequency, duration),
     )?;
     Ok(vec![
-        (
-            "37",
-            vec![
-                Check::new("impacts per period at 18.83 Hz", [per_period(&below)], Bound::Is(0.0)).of(scenes),
-                Check::new("at 18.84 Hz", [per_period(&first)], Bound::Within(1e-3, 0.2)),
-            ],
-        ),
-        (
+        check("37", "impacts per period at 18.83 Hz", [per_period(&below)], Is(0.0)).of(scenes),
+        check("37", "at 18.84 Hz", [per_period(&first)], Within(1e-3, 0.2)),
+        check("38", "impacts per period at 20.15 Hz", [per_period(&near_last)], Within(0.9, 1.1)),
+        check(
             "38",
-            vec![
-                Check::new(
-                    "impacts per period at 20.15 Hz",
-                    [per_period(&near_last)],
-                    Bound::Within(0.9, 1.1),
-                ),
-                Check::new(
-                    "largest impact speed, 20.15 / 18.84 Hz",
-                    [speed(&near_last) / speed(&first)],
-                    Bound::Above(1.1),
-                ),
-                Check::new("impacts per period at 20.20 Hz", [per_period(&above)], Bound::Is(0.0)),
-            ],
+            "largest impact speed, 20.15 / 18.84 Hz",
+            [speed(&near_last) / speed(&first)],
+            Above(1.1),
         ),
-        (
-            "39",
-            vec![
-                Check::new("gap once a period at 18.8 Hz: spread [µm]", [before], Bound::Below(0.1)),
-                Check::new("at 19.2 Hz [µm]", [chaotic], Bound::Above(100.0)),
-                Check::new("at 19.8 Hz [µm]", [periodic], Bound::Below(1.0)),
-                Check::new("at 20.3 Hz [µm]", [after], Bound::Below(10.0)),
-            ],
-        ),
+        check("38", "impacts per period at 20.20 Hz", [per_period(&above)], Is(0.0)),
+        check("39", "gap once a period at 18.8 Hz: spread [µm]", [before], Below(0.1)),
+        check("39", "at 19.2 Hz [µm]", [chaotic], Above(100.0)),
+        check("39", "at 19.8 Hz [µm]", [periodic], Below(1.0)),
+        check("39", "at 20.3 Hz [µm]", [after], Below(10.0)),
     ])
 }
 
@@ -99,12 +81,9 @@ pub(super) fn measure_parasitic() -> Result<Measured, Failure> {
         Ok((with / without - 1.0).abs())
     })?;
     let [low, _, high] = changes;
-    Ok(vec![(
-        "42",
-        vec![
-            Check::new("change of the RMS voltage by 1 pF, 1 MΩ to 1 GΩ", changes, Bound::Rises),
-            Check::new("at 1 MΩ", [low], Bound::Below(5e-3)),
-            Check::new("at 1 GΩ", [high], Bound::Above(0.05)),
-        ],
-    )])
+    Ok(vec![
+        check("42", "change of the RMS voltage by 1 pF, 1 MΩ to 1 GΩ", changes, Rises),
+        check("42", "at 1 MΩ", [low], Below(5e-3)),
+        check("42", "at 1 GΩ", [high], Above(0.05)),
+    ])
 }

@@ -1,9 +1,8 @@
 //! Contact and open phases of the second paper: findings 1 to 13.
 
-use super::sampling::{EVERY_S, History, Sample, stop};
-use super::scenes::{Changes, NEAR_RESONANCE, PAPER, each_of, scene};
+use super::runs::{Changes, EVERY_S, History, NEAR_RESONANCE, PAPER, Sample, each_of, scene, stop};
 use super::statistics::{correlation, largest, mean, median, root_mean_square, share_above, smallest};
-use super::{Bound, Check, Measured};
+use super::{Bound::*, Measured, check};
 use crate::embedded::{ContactInterval, chattering_phases, contact_intervals};
 use crate::method::{Failure, Options};
 use crate::scene_file::modes::BumpStopModes;
@@ -133,7 +132,7 @@ pub(super) fn measure() -> Result<Measured, Failure> {
     let mut measured = chatter([&paper[0], &paper[1]], [&near[0], &near[1]], &light)?;
     measured.extend(voltages(&paper, &near));
     let scenes = paper.into_iter().chain(near).map(|history| history.scene).collect();
-    if let Some(check) = measured.iter_mut().flat_map(|(_, checks)| checks).next() {
+    if let Some(check) = measured.first_mut() {
         check.scenes = scenes;
     }
     Ok(measured)
@@ -157,86 +156,35 @@ fn chatter(paper: [&History; 2], near: [&History; 2], light: &[Phases; 2]) -> Re
     };
     let second_period_us = 1e6 * second_period_s(tip)?;
     Ok(vec![
-        (
-            "1",
-            vec![
-                Check::new(
-                    "fewest chattering phases in a period, tip and mid-span",
-                    paper.map(least),
-                    Bound::Above(0.5),
-                ),
-                Check::new("the same at 220 Hz", near.map(least), Bound::Above(0.5)),
-            ],
-        ),
-        (
-            "2",
-            vec![
-                Check::new("excess over the gap / amplitude", pair(excess, paper), Bound::Below(0.01)),
-                Check::new("the same at 220 Hz", pair(excess, near), Bound::Below(0.03)),
-            ],
-        ),
-        (
-            "3",
-            vec![
-                Check::new("least force [N]", pair(least_force, paper), Bound::AtLeast(0.0)),
-                Check::new("largest force with an open gap [N]", pair(force_apart, paper), Bound::Is(0.0)),
-                Check::new("mean displacement by the mean force, relative error", means, Bound::Below(1e-3)),
-            ],
-        ),
-        (
+        check("1", "fewest chattering phases in a period, tip and mid-span", paper.map(least), Above(0.5)),
+        check("1", "the same at 220 Hz", near.map(least), Above(0.5)),
+        check("2", "excess over the gap / amplitude", pair(excess, paper), Below(0.01)),
+        check("2", "the same at 220 Hz", pair(excess, near), Below(0.03)),
+        check("3", "least force [N]", pair(least_force, paper), AtLeast(0.0)),
+        check("3", "largest force with an open gap [N]", pair(force_apart, paper), Is(0.0)),
+        check("3", "mean displacement by the mean force, relative error", means, Below(1e-3)),
+        check(
             "4",
-            vec![
-                Check::new(
-                    "fewest contacts of a chattering phase",
-                    counts(&of_paper, |counts| smallest(counts)),
-                    Bound::Above(20.0),
-                ),
-                Check::new("longest contact / chattering phase", shares(&of_paper), Bound::Below(0.667)),
-                Check::new(
-                    "at 220 Hz: contacts of a phase, median",
-                    counts(&of_near, |counts| median(counts)),
-                    Bound::Above(10.0),
-                ),
-                Check::new("at 220 Hz: longest contact / phase", shares(&of_near), Bound::Below(0.2)),
-                Check::new(
-                    "damping ratio 0.001, gap 5 µm: longest / phase",
-                    shares(light),
-                    Bound::Below(0.2),
-                ),
-            ],
+            "fewest contacts of a chattering phase",
+            counts(&of_paper, |counts| smallest(counts)),
+            Above(20.0),
         ),
-        (
-            "5",
-            vec![
-                Check::new(
-                    "largest displacement of the rod [m]",
-                    pair(rod_peak, paper),
-                    Bound::Within(2e-8, 3e-7),
-                ),
-                Check::new(
-                    "median distance in a phase [m]",
-                    pair(distance, paper),
-                    Bound::Within(2e-8, 3e-7),
-                ),
-                Check::new("at 220 Hz: rod [m]", pair(rod_peak, near), Bound::Within(2e-8, 3e-7)),
-                Check::new("at 220 Hz: distance [m]", pair(distance, near), Bound::Within(2e-8, 3e-7)),
-            ],
+        check("4", "longest contact / chattering phase", shares(&of_paper), Below(0.667)),
+        check(
+            "4",
+            "at 220 Hz: contacts of a phase, median",
+            counts(&of_near, |counts| median(counts)),
+            Above(10.0),
         ),
-        (
-            "5a",
-            vec![Check::new(
-                "RMS of the free rod / its static motion",
-                pair(free_rod, paper),
-                Bound::Above(2.0),
-            )],
-        ),
-        (
-            "6",
-            vec![
-                Check::new("median contact [µs]", lengths(paper), Bound::Below(0.1 * second_period_us)),
-                Check::new("at 220 Hz [µs]", lengths(near), Bound::Below(0.1 * second_period_us)),
-            ],
-        ),
+        check("4", "at 220 Hz: longest contact / phase", shares(&of_near), Below(0.2)),
+        check("4", "damping ratio 0.001, gap 5 µm: longest / phase", shares(light), Below(0.2)),
+        check("5", "largest displacement of the rod [m]", pair(rod_peak, paper), Within(2e-8, 3e-7)),
+        check("5", "median distance in a phase [m]", pair(distance, paper), Within(2e-8, 3e-7)),
+        check("5", "at 220 Hz: rod [m]", pair(rod_peak, near), Within(2e-8, 3e-7)),
+        check("5", "at 220 Hz: distance [m]", pair(distance, near), Within(2e-8, 3e-7)),
+        check("5a", "RMS of the free rod / its static motion", pair(free_rod, paper), Above(2.0)),
+        check("6", "median contact [µs]", lengths(paper), Below(0.1 * second_period_us)),
+        check("6", "at 220 Hz [µs]", lengths(near), Below(0.1 * second_period_us)),
     ])
 }
 
@@ -254,74 +202,23 @@ fn voltages([tip, mid, none]: &[History; 3], near: &[History; 3]) -> Measured {
     let [near_tip, near_mid, near_none] = near.each_ref();
     let (power, peak, rms) = (History::mean_power_w, History::peak_voltage_v, History::rms_voltage_v);
     vec![
-        (
-            "7",
-            vec![
-                Check::new("power above 1200 Hz, tip and mid-span", high(&[tip, mid]), Bound::Above(1e-3)),
-                Check::new("at 220 Hz", high(&[near_tip, near_mid]), Bound::Above(1e-3)),
-                Check::new("without a stop, 44 and 220 Hz", high(&[none, near_none]), Bound::Below(1e-6)),
-            ],
-        ),
-        (
-            "8",
-            vec![
-                Check::new(
-                    "RMS voltage in contact / none",
-                    of(&compared, |of| of.contact_ratio),
-                    Bound::Below(0.75),
-                ),
-                Check::new("at 220 Hz", of(&compared_near, |of| of.contact_ratio), Bound::Below(0.75)),
-            ],
-        ),
-        (
-            "9",
-            vec![
-                Check::new(
-                    "RMS voltage out of contact / none",
-                    of(&compared, |of| of.open_ratio),
-                    Bound::Within(0.85, 1.1),
-                ),
-                Check::new(
-                    "correlation with none",
-                    of(&compared, |of| of.open_correlation),
-                    Bound::Above(0.9),
-                ),
-                Check::new("at 220 Hz: ratio", of(&compared_near, |of| of.open_ratio), Bound::Reported),
-            ],
-        ),
-        (
-            "10",
-            vec![
-                Check::new("mean power / none", ratios(power, none, &[tip, mid]), Bound::Below(0.7)),
-                Check::new("at 220 Hz", ratios(power, near_none, &[near_tip, near_mid]), Bound::Below(0.7)),
-            ],
-        ),
-        (
-            "11",
-            vec![
-                Check::new("peak voltage, mid-span / tip", ratios(peak, tip, &[mid]), Bound::Above(1.05)),
-                Check::new("at 220 Hz", ratios(peak, near_tip, &[near_mid]), Bound::Above(1.05)),
-            ],
-        ),
-        (
-            "12",
-            vec![
-                Check::new("mean power, mid-span / tip", ratios(power, tip, &[mid]), Bound::Above(1.2)),
-                Check::new("at 220 Hz", ratios(power, near_tip, &[near_mid]), Bound::Above(1.2)),
-            ],
-        ),
-        (
-            "13",
-            vec![
-                Check::new("RMS voltage [V]: tip, mid-span, none", list(rms, [tip, mid, none]), Bound::Rises),
-                Check::new("at 220 Hz [V]", list(rms, [near_tip, near_mid, near_none]), Bound::Rises),
-                Check::new(
-                    "peak voltage [V]: tip, mid-span, none",
-                    list(peak, [tip, mid, none]),
-                    Bound::Reported,
-                ),
-            ],
-        ),
+        check("7", "power above 1200 Hz, tip and mid-span", high(&[tip, mid]), Above(1e-3)),
+        check("7", "at 220 Hz", high(&[near_tip, near_mid]), Above(1e-3)),
+        check("7", "without a stop, 44 and 220 Hz", high(&[none, near_none]), Below(1e-6)),
+        check("8", "RMS voltage in contact / none", of(&compared, |of| of.contact_ratio), Below(0.75)),
+        check("8", "at 220 Hz", of(&compared_near, |of| of.contact_ratio), Below(0.75)),
+        check("9", "RMS voltage out of contact / none", of(&compared, |of| of.open_ratio), Within(0.85, 1.1)),
+        check("9", "correlation with none", of(&compared, |of| of.open_correlation), Above(0.9)),
+        check("9", "at 220 Hz: ratio", of(&compared_near, |of| of.open_ratio), Reported),
+        check("10", "mean power / none", ratios(power, none, &[tip, mid]), Below(0.7)),
+        check("10", "at 220 Hz", ratios(power, near_none, &[near_tip, near_mid]), Below(0.7)),
+        check("11", "peak voltage, mid-span / tip", ratios(peak, tip, &[mid]), Above(1.05)),
+        check("11", "at 220 Hz", ratios(peak, near_tip, &[near_mid]), Above(1.05)),
+        check("12", "mean power, mid-span / tip", ratios(power, tip, &[mid]), Above(1.2)),
+        check("12", "at 220 Hz", ratios(power, near_tip, &[near_mid]), Above(1.2)),
+        check("13", "RMS voltage [V]: tip, mid-span, none", list(rms, [tip, mid, none]), Rises),
+        check("13", "at 220 Hz [V]", list(rms, [near_tip, near_mid, near_none]), Rises),
+        check("13", "peak voltage [V]: tip, mid-span, none", list(peak, [tip, mid, none]), Reported),
     ]
 }
 
@@ -335,26 +232,15 @@ pub(super) fn measure_not_reproduced() -> Result<Measured, Failure> {
     let shares = [&wide_tip, &wide_mid].map(|history| history.phases().longest_share());
     let peaks = wide_mid.peak_voltage_v() / wide_tip.peak_voltage_v();
     Ok(vec![
-        (
-            "c",
-            vec![Check::new(
-                "1 MΩ: RMS voltage out of contact / none",
-                open([&tip, &mid], &none),
-                Bound::Within(0.85, 1.1),
-            )],
-        ),
-        (
+        check("c", "1 MΩ: RMS voltage out of contact / none", open([&tip, &mid], &none), Within(0.85, 1.1)),
+        check("d", "gap 30 µm: longest contact / phase", shares, Below(0.2)),
+        check(
             "d",
-            vec![
-                Check::new("gap 30 µm: longest contact / phase", shares, Bound::Below(0.2)),
-                Check::new(
-                    "gap 30 µm: RMS voltage out of contact / none",
-                    open([&wide_tip, &wide_mid], &wide_none),
-                    Bound::Within(0.85, 1.1),
-                ),
-                Check::new("gap 30 µm: peak voltage, mid-span / tip", [peaks], Bound::Above(1.05)),
-            ],
+            "gap 30 µm: RMS voltage out of contact / none",
+            open([&wide_tip, &wide_mid], &wide_none),
+            Within(0.85, 1.1),
         ),
+        check("d", "gap 30 µm: peak voltage, mid-span / tip", [peaks], Above(1.05)),
     ])
 }
 

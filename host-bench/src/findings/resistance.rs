@@ -1,12 +1,12 @@
 //! The resonance of the sliding harvester over charge density and resistance: findings 21 to 30.
 
-use super::scenes::{Changes, each, each_of, scene, value};
+use super::runs::{Changes, each, each_of, scene, value};
 use super::statistics::{largest, least, smallest, spread};
-use super::{Bound, Check, Measured};
+use super::{Bound::*, Measured, check};
 use crate::embedded::resonance_peak;
+use crate::figures::sliding::sliding;
 use crate::method::{Failure, Options};
 use crate::run::run_scene;
-use crate::scene_file::{Model, Scene};
 use crate::steady_state::DEFAULT_POINTS;
 
 /// Charge densities in C/m² of the first sweep.
@@ -36,7 +36,7 @@ struct Peak {
 
 fn peak(changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Peak, Failure> {
     let scene = scene("sliding", changes)?;
-    let natural_hz = natural_frequency_hz(&scene)?;
+    let natural_hz = sliding(&scene)?.parameters.natural_frequency_hz();
     let (found, _) = resonance_peak(&scene, range_hz, DEFAULT_POINTS, &Options::default())?;
     let found = found.ok_or_else(|| Failure::of_file(&scene, "no stable orbit of one period"))?;
     Ok(Peak {
@@ -44,15 +44,6 @@ fn peak(changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Peak, Failure> {
         amplitude_mm: 1e3 * found.amplitude.value,
         rms_voltage_v: found.rms_voltage.value,
     })
-}
-
-fn natural_frequency_hz(scene: &Scene) -> Result<f64, Failure> {
-    match &scene.model {
-        Model::Sliding(model) => Ok(model.parameters.natural_frequency_hz()),
-        Model::ContactSeparation(_) | Model::BumpStop(_) => {
-            Err(Failure::of_file(scene, "scene must be \"sliding\" here"))
-        }
-    }
 }
 
 /// The peaks over the resistances.
@@ -104,28 +95,13 @@ pub(super) fn measure_charge() -> Result<Measured, Failure> {
     let voltages: Vec<f64> = peaks.iter().map(|peak| peak.rms_voltage_v).collect();
     let ratio = last_over_first(&amplitudes);
     Ok(vec![
-        (
-            "21",
-            vec![
-                Check::new("peak amplitude [mm], 0 to 120 µC/m²", amplitudes, Bound::Falls),
-                Check::new("last / first", [ratio], Bound::Below(0.6)),
-            ],
-        ),
-        (
-            "22",
-            vec![
-                Check::new("resonance less natural frequency [mHz]", shifts.clone(), Bound::Falls),
-                Check::new("the same [mHz]", [smallest(shifts.into_iter())], Bound::Above(-50.0)),
-            ],
-        ),
-        ("23", vec![Check::new("largest RMS voltage [V], 0 to 120 µC/m²", voltages, Bound::Rises)]),
-        (
-            "24",
-            vec![
-                Check::new("amplitude at resonance, 120 / 0 µC/m²", [ratio], Bound::Below(0.6)),
-                Check::new("the same at 16 Hz", [last_over_first(&away)], Bound::Above(0.98)),
-            ],
-        ),
+        check("21", "peak amplitude [mm], 0 to 120 µC/m²", amplitudes, Falls),
+        check("21", "last / first", [ratio], Below(0.6)),
+        check("22", "resonance less natural frequency [mHz]", shifts.clone(), Falls),
+        check("22", "the same [mHz]", [smallest(shifts.into_iter())], Above(-50.0)),
+        check("23", "largest RMS voltage [V], 0 to 120 µC/m²", voltages, Rises),
+        check("24", "amplitude at resonance, 120 / 0 µC/m²", [ratio], Below(0.6)),
+        check("24", "the same at 16 Hz", [last_over_first(&away)], Above(0.98)),
     ])
 }
 
@@ -135,29 +111,26 @@ pub(super) fn measure_small_charge() -> Result<Measured, Failure> {
     let (amplitudes, shifts) = (amplitudes(&small.peaks), shifts(&small.peaks));
     let moved =
         largest(shifts.iter().chain([&small.lowest.shift_mhz]).map(|shift| (shift - shifts[0]).abs()));
-    Ok(vec![
-        (
+    let mut checks = vec![
+        check(
             "25",
-            vec![
-                Check::new(
-                    "amplitude at resonance, 10 GΩ / 0 Ω",
-                    [last_over_first(&amplitudes)],
-                    Bound::Within(0.97, 0.99),
-                ),
-                Check::new("largest move of the resonance from 0 Ω [mHz]", [moved], Bound::Below(2.0)),
-            ],
+            "amplitude at resonance, 10 GΩ / 0 Ω",
+            [last_over_first(&amplitudes)],
+            Within(0.97, 0.99),
         ),
-        ("26", least_inside(&small)),
-    ])
+        check("25", "largest move of the resonance from 0 Ω [mHz]", [moved], Below(2.0)),
+    ];
+    checks.extend(least_inside("26", &small));
+    Ok(checks)
 }
 
 /// That the smallest shift is inside the range of resistances.
-fn least_inside(of: &OverResistance) -> Vec<Check> {
+fn least_inside(number: &'static str, of: &OverResistance) -> Measured {
     let shifts = shifts(&of.peaks);
     let ends = [shifts.first(), shifts.last()].map(|end| value(end.map(|end| end - of.lowest.shift_mhz)));
     vec![
-        Check::new("shift at 0 Ω and at 10 GΩ less the least [mHz]", ends, Bound::Above(0.1)),
-        Check::new("shift [mHz], 0 Ω to 10 GΩ", shifts, Bound::Reported),
+        check(number, "shift at 0 Ω and at 10 GΩ less the least [mHz]", ends, Above(0.1)),
+        check(number, "shift [mHz], 0 Ω to 10 GΩ", shifts, Reported),
     ]
 }
 
@@ -194,56 +167,28 @@ pub(super) fn measure_large_charge() -> Result<Measured, Failure> {
         pair.map(|of| (largest(shifts(&of.peaks).into_iter()) - of.lowest.shift_mhz) / half_width_mhz);
     let drops = falls.map(|fall| 1.0 - fall);
     let [_, large_rise, swapped_rise] = rises;
-    Ok(vec![
-        (
+    let rest = vec![
+        check(
             "27",
-            [
-                least_inside(shipped),
-                vec![Check::new(
-                    "amplitude at the least: place between the ends, 120 and 200 µC/m²",
-                    between,
-                    Bound::Within(0.05, 0.95),
-                )],
-            ]
-            .concat(),
+            "amplitude at the least: place between the ends, 120 and 200 µC/m²",
+            between,
+            Within(0.05, 0.95),
         ),
-        (
-            "28",
-            vec![Check::new(
-                "shift at 10 GΩ less at 0 Ω [mHz], 120 and 200 µC/m²",
-                beyond,
-                Bound::Above(0.0),
-            )],
-        ),
-        (
-            "29",
-            vec![
-                Check::new(
-                    "rise of the amplitude over 0 Ω [%], 120, 200 µC/m², swapped",
-                    rises,
-                    Bound::Above(0.02),
-                ),
-                Check::new("amplitude at 10 GΩ / at 0 Ω", falls, Bound::Below(0.97)),
-                Check::new("change from 1 to 10 GΩ", levels, Bound::Below(1e-2)),
-            ],
-        ),
-        (
-            "30",
-            vec![
-                Check::new("200 µC/m²: width of the loop / 2ζf", [width[1]], Bound::Above(0.5)),
-                Check::new("200 µC/m²: drop of the amplitude", [drops[1]], Bound::Above(0.05)),
-                Check::new("120 µC/m²: width and drop", [width[0], drops[0]], Bound::Reported),
-            ],
-        ),
-        (
+        check("28", "shift at 10 GΩ less at 0 Ω [mHz], 120 and 200 µC/m²", beyond, Above(0.0)),
+        check("29", "rise of the amplitude over 0 Ω [%], 120, 200 µC/m², swapped", rises, Above(0.02)),
+        check("29", "amplitude at 10 GΩ / at 0 Ω", falls, Below(0.97)),
+        check("29", "change from 1 to 10 GΩ", levels, Below(1e-2)),
+        check("30", "200 µC/m²: width of the loop / 2ζf", [width[1]], Above(0.5)),
+        check("30", "200 µC/m²: drop of the amplitude", [drops[1]], Above(0.05)),
+        check("30", "120 µC/m²: width and drop", [width[0], drops[0]], Reported),
+        check(
             "a",
-            vec![Check::new(
-                "rise of the amplitude over 0 Ω [%], 200 µC/m², swapped",
-                [large_rise, swapped_rise],
-                Bound::Above(1.0),
-            )],
+            "rise of the amplitude over 0 Ω [%], 200 µC/m², swapped",
+            [large_rise, swapped_rise],
+            Above(1.0),
         ),
-    ])
+    ];
+    Ok(least_inside("27", shipped).into_iter().chain(rest).collect())
 }
 
 fn last_less_first(values: &[f64]) -> f64 {
@@ -253,9 +198,6 @@ fn last_less_first(values: &[f64]) -> f64 {
 /// `2ζf` of the sliding scene in mHz.
 fn half_width_mhz() -> Result<f64, Failure> {
     let scene = scene("sliding", &[])?;
-    let natural_hz = natural_frequency_hz(&scene)?;
-    match &scene.model {
-        Model::Sliding(model) => Ok(2e3 * model.parameters.damping_ratio * natural_hz),
-        Model::ContactSeparation(_) | Model::BumpStop(_) => Ok(f64::NAN),
-    }
+    let parameters = &sliding(&scene)?.parameters;
+    Ok(2e3 * parameters.damping_ratio * parameters.natural_frequency_hz())
 }

@@ -1,9 +1,9 @@
 //! The deflected beam of the second paper: findings 14 to 17.
 
 use super::phases::Phases;
-use super::scenes::{Changes, NEAR_RESONANCE, PAPER, bump_stop, each_of, run, scene, value};
+use super::runs::{Changes, NEAR_RESONANCE, PAPER, bump_stop, each_of, run, scene, value};
 use super::statistics::{largest, mean};
-use super::{Bound, Check, Measured};
+use super::{Bound::*, Measured, check};
 use crate::embedded::{
     DeflectedShape, ShapePoint, bump_stop_parameters, contact_intervals, deflected_shapes,
 };
@@ -71,43 +71,17 @@ pub(super) fn measure() -> Result<Measured, Failure> {
     let [near_tip, near_mid] = with_stop(NEAR_RESONANCE)?;
     let (paper, near) = rayon::join(|| clamp_ratios(PAPER), || clamp_ratios(NEAR_RESONANCE));
     Ok(vec![
-        (
+        check("14", "tip stop: curvature at 3L/4 / at the clamp", [tip.outside / tip.clamp], Below(0.0)),
+        check(
             "14",
-            vec![
-                Check::new(
-                    "tip stop: curvature at 3L/4 / at the clamp",
-                    [tip.outside / tip.clamp],
-                    Bound::Below(0.0),
-                ),
-                Check::new(
-                    "slope of the tip, tip stop / mid-span",
-                    [(tip.tip_slope / mid.tip_slope).abs()],
-                    Bound::Reported,
-                ),
-            ],
+            "slope of the tip, tip stop / mid-span",
+            [(tip.tip_slope / mid.tip_slope).abs()],
+            Reported,
         ),
-        (
-            "15",
-            vec![
-                Check::new(
-                    "mean curvature in contact, tip / mid-span",
-                    [tip.bending / mid.bending],
-                    Bound::Below(0.85),
-                ),
-                Check::new("at 220 Hz", [near_tip.bending / near_mid.bending], Bound::Reported),
-            ],
-        ),
-        (
-            "17",
-            vec![
-                Check::new(
-                    "at 220 Hz: peak curvature at the clamp / none, tip and mid-span",
-                    near?,
-                    Bound::Below(0.7),
-                ),
-                Check::new("at 44 Hz", paper?, Bound::Reported),
-            ],
-        ),
+        check("15", "mean curvature in contact, tip / mid-span", [tip.bending / mid.bending], Below(0.85)),
+        check("15", "at 220 Hz", [near_tip.bending / near_mid.bending], Reported),
+        check("17", "at 220 Hz: peak curvature at the clamp / none, tip and mid-span", near?, Below(0.7)),
+        check("17", "at 44 Hz", paper?, Reported),
     ])
 }
 
@@ -143,12 +117,10 @@ pub(super) fn measure_charge() -> Result<Measured, Failure> {
         let error = largest(shapes.iter().map(|shape| (shape.voltage_v - voltage(shape)).abs()));
         Ok(error / largest(shapes.iter().map(|shape| shape.voltage_v.abs())))
     })?;
-    Ok(vec![(
+    Ok(vec![check(
         "16",
-        vec![Check::new(
-            "open circuit: largest |v − ν y'(L)/C| / peak voltage",
-            [tip, mid, none],
-            Bound::Below(1e-9),
-        )],
+        "open circuit: largest |v − ν y'(L)/C| / peak voltage",
+        [tip, mid, none],
+        Below(1e-9),
     )])
 }

@@ -1,8 +1,8 @@
 //! Piezoelectric shunting, with which the first paper compares: findings 31 and 32.
 
-use super::scenes::{bump_stop, each, run, value};
+use super::runs::{bump_stop, each, run, value};
 use super::statistics::{largest, smallest};
-use super::{Bound, Check, Measured};
+use super::{Bound::*, Measured, check};
 use crate::method::Failure;
 
 /// Resistances in Ω.
@@ -64,19 +64,9 @@ pub(super) fn measure() -> Result<Measured, Failure> {
     let ends = [amplitudes.first(), amplitudes.last()].map(|end| end.map_or(f64::NAN, |end| end / lowest));
     let shift = largest(frequencies.iter().copied()) - smallest(frequencies.iter().copied());
     Ok(vec![
-        (
-            "31",
-            vec![
-                Check::new("resonance [Hz], 1 Ω to 1 GΩ", frequencies, Bound::Rises),
-                Check::new("open less short circuit [Hz]", [shift], Bound::Above(5.0)),
-            ],
-        ),
-        (
-            "32",
-            vec![
-                Check::new("amplitude at 1 Ω and at 1 GΩ / the smallest", ends, Bound::Above(1.5)),
-                Check::new("amplitude [µm], 1 Ω to 1 GΩ", amplitudes, Bound::Reported),
-            ],
-        ),
+        check("31", "resonance [Hz], 1 Ω to 1 GΩ", frequencies, Rises),
+        check("31", "open less short circuit [Hz]", [shift], Above(5.0)),
+        check("32", "amplitude at 1 Ω and at 1 GΩ / the smallest", ends, Above(1.5)),
+        check("32", "amplitude [µm], 1 Ω to 1 GΩ", amplitudes, Reported),
     ])
 }

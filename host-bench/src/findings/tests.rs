@@ -30,7 +30,7 @@ fn a_number_that_is_not_in_the_list_is_refused() {
 fn the_mark_is_that_of_the_checks() {
     let of = |number: &str, value: f64| {
         let finding = FINDINGS.iter().find(|finding| finding.number == number).expect("in the list");
-        let checks = [1.0, value].map(|value| Check::new("", [value], Bound::Below(2.0)));
+        let checks = [1.0, value].map(|value| check("8", "", [value], Bound::Below(2.0)));
         Row { finding, checks: checks.to_vec() }
     };
     for (number, expected) in [("8", Mark::Shown), ("9", Mark::Chosen)] {
@@ -47,7 +47,7 @@ fn the_mark_is_that_of_the_checks() {
 fn a_run_that_stops_marks_its_findings_and_the_others_go_on() {
     let stops = || Err(Failure::Step("displacement = -0.02 is outside the model's domain".to_owned()));
     let stopped = Experiment { numbers: &["8"], measure: stops }.measured(true).expect("no bad input");
-    let measured = [stopped, vec![("9", vec![Check::new("", [1.0], Bound::Reported)])]].concat();
+    let measured = [stopped, vec![check("9", "", [1.0], Bound::Reported)]].concat();
     let wanted = wanted(&["8".to_owned(), "9".to_owned()]).expect("both are in the list");
     let rows = rows(wanted, measured).expect("both are there");
     assert_eq!(rows.iter().map(Row::mark).collect::<Vec<_>>(), [Mark::Stopped, Mark::Chosen]);
@@ -58,14 +58,12 @@ fn a_run_that_stops_marks_its_findings_and_the_others_go_on() {
 
 #[test]
 fn a_finding_without_a_measured_check_is_an_error() {
-    let check = || vec![Check::new("", [1.0], Bound::Reported)];
+    let of = |number| check(number, "", [1.0], Bound::Reported);
     let wanted = || wanted(&["8".to_owned(), "9".to_owned()]).expect("both are in the list");
-    let found = rows(wanted(), vec![("9", check()), ("8", check())]).expect("both are measured");
+    let found = rows(wanted(), vec![of("9"), of("8")]).expect("both are measured");
     assert_eq!(found.iter().map(|row| row.finding.number).collect::<Vec<_>>(), ["8", "9"]);
-    for measured in [vec![("8", check())], vec![("8", check()), ("9", Vec::new())]] {
-        let failure = rows(wanted(), measured).expect_err("9 has no check");
-        assert_eq!(failure.to_string(), "findings: finding 9 was not measured");
-    }
+    let failure = rows(wanted(), vec![of("8")]).expect_err("9 has no check");
+    assert_eq!(failure.to_string(), "findings: finding 9 was not measured");
 }
 
 #[test]
@@ -80,16 +78,16 @@ fn a_bound_holds_for_every_value() {
         (Bound::Rises, [1.0, 2.0], [1.0, 1.0], "rises"),
         (Bound::Reported, [1.0, 2.0], [f64::NAN, 1.0], ""),
     ] {
-        assert!(Check::new("", holding, bound).holds(), "{bound:?}");
-        assert_eq!(Check::new("", failing, bound).holds(), bound == Bound::Reported, "{bound:?}");
-        assert_eq!(Check::new("", holding, bound).assertion(), text);
-        let none = Check::new("", [], bound);
+        assert!(check("8", "", holding, bound).holds(), "{bound:?}");
+        assert_eq!(check("8", "", failing, bound).holds(), bound == Bound::Reported, "{bound:?}");
+        assert_eq!(check("8", "", holding, bound).assertion(), text);
+        let none = check("8", "", [], bound);
         assert!(!none.holds() && !none.is_measured(), "{bound:?}");
     }
     for bound in [Bound::Falls, Bound::Rises] {
-        assert!(!Check::new("", [1.0], bound).holds(), "{bound:?}");
+        assert!(!check("8", "", [1.0], bound).holds(), "{bound:?}");
     }
-    let shown = Check::new("", [0.0, 1.23456, -39.8131, 1234.56, 1.2e-7, 245.1799], Bound::Reported).shown();
+    let shown = check("8", "", [0.0, 1.23456, -39.8131, 1234.56, 1.2e-7, 245.1799], Bound::Reported).shown();
     assert_eq!(shown, "0, 1.235, -39.81, 1235, 1.2e-7, 245.2");
 }
 

@@ -1,10 +1,8 @@
 //! A bump-stop run on the embedded core.
 
 mod clamp;
-mod contacts;
 mod held;
 mod observed;
-mod shapes;
 
 use std::f64::consts::TAU;
 
@@ -23,9 +21,10 @@ use model_core::scene::bump_stop::{
 
 pub(super) use self::clamp::Clamp;
 use self::clamp::MOST_MODES;
-pub use self::contacts::{ContactInterval, chattering_phases, contact_intervals};
 pub(super) use self::held::{held, identify};
-pub use self::shapes::{DeflectedShape, ShapePoint, deflected_shapes};
+pub use self::observed::{
+    ContactInterval, DeflectedShape, ShapePoint, chattering_phases, contact_intervals, deflected_shapes,
+};
 use super::bridge::bridge;
 use super::excitation::{HostExcitation, Setting};
 use super::limits::{Gauge, limits};
