@@ -11,7 +11,6 @@ mod contact_separation;
 mod excitation;
 mod held;
 mod limits;
-mod recorder;
 mod report;
 mod run;
 mod shooting;

@@ -1,6 +1,5 @@
 //! A bump-stop run on the embedded core.
 
-mod clamp;
 mod held;
 mod observed;
 
@@ -19,17 +18,16 @@ use model_core::scene::bump_stop::{
     Parts, Resistive, Restitution, Start, StateOf, Stepper, Stop, TipMass,
 };
 
-pub(super) use self::clamp::Clamp;
-use self::clamp::MOST_MODES;
 pub(super) use self::held::{held, identify};
+pub(super) use self::observed::Clamp;
+use self::observed::MOST_MODES;
 pub use self::observed::{
     ContactInterval, DeflectedShape, ShapePoint, chattering_phases, contact_intervals, deflected_shapes,
 };
 use super::bridge::bridge;
 use super::excitation::{HostExcitation, Setting};
 use super::limits::{Gauge, limits};
-use super::recorder::{dense, dense_voltage};
-use super::report::{Found, Report};
+use super::report::{Found, Report, dense, dense_voltage};
 use super::run::{Run, refuse_parameter, refuse_start};
 use harvester_scene::method::{Failure, Options};
 use harvester_scene::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, with_store};

@@ -15,8 +15,7 @@ use model_core::scene::contact_separation::{
 };
 
 use super::limits::{Gauge, UNUSED, limits};
-use super::recorder::{dense, dense_voltage};
-use super::report::Found;
+use super::report::{Found, dense, dense_voltage};
 use super::run::refuse_parameter;
 use super::triboelectric::{PARTS, STATES, Triboelectric, explicit_step_into, unit_of_charge};
 use harvester_scene::method::Failure;

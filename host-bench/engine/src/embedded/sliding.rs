@@ -12,8 +12,7 @@ use model_core::scene::sliding::{
 
 use super::contact_separation::{force_law, sticking};
 use super::limits::{Gauge, UNUSED, limits};
-use super::recorder::dense;
-use super::report::Found;
+use super::report::{Found, dense};
 use super::run::refuse_parameter;
 use super::triboelectric::{PARTS, STATES, Triboelectric, explicit_step_into, unit_of_charge};
 use harvester_scene::method::Failure;
