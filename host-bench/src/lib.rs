@@ -17,6 +17,7 @@ mod optimise;
 mod peer;
 mod report;
 mod resolution;
+mod rows;
 pub mod run;
 pub mod seeds;
 mod shift;

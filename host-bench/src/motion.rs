@@ -13,7 +13,7 @@ use crate::method::Failure;
 use crate::name::Name;
 use crate::report::Picture;
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
-use crate::report::setting::prefix;
+use crate::report::setting::scaled;
 use crate::report::svg::{BLACK, COLOURS, range};
 use crate::scene_file::{Excitation, Scene, Tone};
 
@@ -197,7 +197,7 @@ fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) ->
     let all: Vec<Vec<(f64, f64)>> = series.iter().map(within).collect();
     let largest = all.iter().flatten().fold(0.0_f64, |largest, (_, value)| largest.max(value.abs()));
     let (word, unit) = quantity(column);
-    let (sign, factor) = prefix(largest);
+    let (up, factor) = scaled(&word, unit, largest);
     let mut curves: Vec<Curve> = coloured(series)
         .zip(all)
         .map(|((one, colour), points)| {
@@ -216,7 +216,6 @@ fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) ->
             curves.push(Curve::new("impact", BLACK, Mark::Dots(6.0), marks));
         }
     }
-    let up = if unit.is_empty() { word } else { format!("{word} [{sign}{unit}]") };
     let across = Axis::linear("time [s]", [from, to], 10);
     Chart::new("", across, Axis::linear(up, FITTING, 5), curves).grouped("time", STRIP)
 }
@@ -225,8 +224,9 @@ fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) ->
 fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let all: Vec<Vec<[f64; 3]>> = series.iter().map(|one| one.portrait(wanted.span_s)).collect();
     let largest = |of: usize| all.iter().flatten().map(|row| row[of]).fold(0.0_f64, |a, b| a.max(b.abs()));
-    let [(x_sign, x_factor), (y_sign, y_factor)] = [1, 2].map(|of| prefix(largest(of)));
     let column = series.iter().find_map(Series::position)?;
+    let (position, x_factor) = scaled(&quantity(column).0, "m", largest(1));
+    let (velocity, y_factor) = scaled("velocity", "m/s", largest(2));
     let curves: Vec<Curve> = coloured(series)
         .zip(all)
         .map(|((one, colour), points)| {
@@ -238,8 +238,8 @@ fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let span = range(points().map(|point| point.0)).into();
     points().next()?;
-    let across = Axis::linear(format!("{} [{x_sign}m]", quantity(column).0), span, 6);
-    let up = Axis::linear(format!("velocity [{y_sign}m/s]"), FITTING, 7);
+    let across = Axis::linear(position, span, 6);
+    let up = Axis::linear(velocity, FITTING, 7);
     let chart = Chart::new("phase portrait", across, up, curves);
     Some(Chart { is_orbit: true, is_half: true, height: PANEL, ..chart })
 }
@@ -256,8 +256,8 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     if !(largest > 0.0) {
         return None;
     }
-    let (sign, factor) = prefix(largest);
     let (word, unit) = quantity(column);
+    let (name, factor) = scaled(&word, unit, largest);
     // Below a millionth of the largest line there is rounding.
     let floor = 1e-6 * factor * largest;
     let curves: Vec<Curve> = coloured(series)
@@ -272,7 +272,6 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
         .collect();
     let frequencies = || curves.iter().flat_map(|curve| &curve.points).map(|point| point.0);
     let ends = [frequencies().fold(f64::INFINITY, f64::min), frequencies().fold(0.0, f64::max)];
-    let name = if unit.is_empty() { word } else { format!("{word} [{sign}{unit}]") };
     let across = if has(LogAxis::X) {
         Axis::logarithmic("frequency [Hz]", ends)
     } else {

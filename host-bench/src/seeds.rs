@@ -10,7 +10,8 @@ use self::student::quantile;
 use crate::accuracy::{Statements, imbalance, run_as_it_is, run_with_steps};
 use crate::command::json_text;
 use crate::method::{Failure, Options};
-use crate::outcome::{self, Fields, Format, Outcome, fields, flattened, rows_csv, small};
+use crate::outcome::{Fields, Format, Outcome, fields, flattened, small};
+use crate::rows::{Column, Digits, Rows};
 use crate::run::run_scene;
 use crate::scene_file::{Excitation, Scene};
 
@@ -187,20 +188,20 @@ impl Statistics {
     pub fn text(&self, format: Format) -> Result<String, Failure> {
         match format {
             Format::Json => json_text(self),
-            Format::Csv => {
-                let rows: Vec<Fields> = self.spreads.iter().map(|spread| self.row(spread)).collect();
-                Ok(rows_csv(rows.first().map(Fields::keys).into_iter().flatten(), &rows))
-            }
+            Format::Csv => Ok(self.rows().csv()),
             Format::Table => Ok(self.table()),
         }
     }
 
-    /// A row of CSV.
-    fn row(&self, (name, spread): &(String, Spread)) -> Fields {
-        let mut row = Fields::from_iter([("quantity".to_owned(), name.as_str().into())]);
-        row.extend(fields(spread));
-        row.extend(flattened(self.stated.clone()));
-        row
+    /// A row for each number.
+    fn rows(&self) -> Rows {
+        let row = |(name, spread): &(String, Spread)| {
+            let mut row = Fields::from_iter([("quantity".to_owned(), name.as_str().into())]);
+            row.extend(fields(spread));
+            row.extend(flattened(self.stated.clone()));
+            row
+        };
+        Rows(self.spreads.iter().map(row).collect())
     }
 
     fn table(&self) -> String {
@@ -216,22 +217,21 @@ impl Statistics {
             self.duration_s,
             small(self.stated["accuracy"]["total"].as_f64())
         );
-        let headings = ["quantity", "mean", "95 % from", "to", "deviation", "least", "largest", "seeds"];
-        let rows = self.spreads.iter().map(|(name, spread)| {
-            let numbers = [
-                Some(spread.mean),
-                spread.confidence_low,
-                spread.confidence_high,
-                spread.standard_deviation,
-                Some(spread.least),
-                Some(spread.largest),
-            ];
-            let count = spread.count.to_string();
-            std::iter::once(name.clone()).chain(numbers.map(shown)).chain([count]).collect::<Vec<_>>()
-        });
-        heading + &outcome::table(presets::NOTHING, headings.to_vec(), rows, 1)
+        heading + &self.rows().table(presets::NOTHING, &COLUMNS, 1)
     }
 }
+
+/// Columns of the table.
+const COLUMNS: [Column<'_>; 8] = [
+    ("quantity", "quantity", Digits::Word),
+    ("mean", "mean", Digits::Exponent(5)),
+    ("95 % from", "confidence_low", Digits::Exponent(5)),
+    ("to", "confidence_high", Digits::Exponent(5)),
+    ("deviation", "standard_deviation", Digits::Exponent(5)),
+    ("least", "least", Digits::Exponent(5)),
+    ("largest", "largest", Digits::Exponent(5)),
+    ("seeds", "count", Digits::Six),
+];
 
 /// The spread of each number over the rows, in their order.
 fn spreads(rows: &[Fields]) -> Vec<(String, Spread)> {

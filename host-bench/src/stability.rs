@@ -4,9 +4,7 @@
 //! A case is a shipped scene with some of its keys changed, so that `run` of the command line runs it too. Its run is
 //! judged with its accuracy statement by runs that are more accurate.
 
-mod build;
 mod case;
-mod cause;
 mod chaos;
 mod day;
 mod exact;
@@ -18,14 +16,13 @@ mod rows;
 mod summary;
 mod twin;
 
-pub(crate) use build::{build, fnv_1a};
 pub use case::Case;
-pub use cause::cause;
-pub(crate) use day::{Compared, DAY_S, comparison, pairs};
+pub(crate) use day::{COLUMNS, Compared, DAY_S, pairs};
 pub use exact::Quantity;
 pub use grid::{Extent, Kind, grid};
 pub use judge::{Class, Effort, Finding, Judge, judge};
 pub(crate) use page::{CASES, page};
 pub use random::{draw, draw_varied};
-pub(crate) use rows::Row;
+pub(crate) use rows::{Row, build, fnv_1a};
+pub use summary::cause;
 pub(crate) use summary::summary;

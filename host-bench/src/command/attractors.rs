@@ -8,12 +8,13 @@ use rayon::prelude::*;
 use super::files::Outputs;
 use super::sweep::picture::{Quantity, Words, picture};
 use super::sweep::{Axis, values};
-use super::{NODE, SceneArguments, check_overrides, count, json_text, one_more, print, progress};
+use super::{NODE, SceneArguments, check_overrides, count, one_more, print, progress};
 use crate::accuracy::{Statements, run_as_it_is, tell_warnings};
 use crate::attractors::{self, Place, UNSETTLED, branches, ends, failed, settled};
 use crate::method::Failure;
 use crate::name::Name;
-use crate::outcome::{Branch, Fields, Format, Outcome, fields, flattened, rows_csv, shown, table};
+use crate::outcome::{Branch, Fields, Format, Outcome, fields};
+use crate::rows::{Digits, Rows};
 use crate::run::run_scene;
 use crate::scene_file;
 use crate::shift::{start, started};
@@ -87,7 +88,7 @@ pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
         }
     }
     tell_warnings(&Statements::of(&outcomes).fields(&doubts));
-    print(&text(&found, &outcomes, &doubts, *format)?)?;
+    print(&text(&found, &outcomes, &doubts, *format))?;
     outputs.ended()
 }
 
@@ -96,19 +97,11 @@ const COLUMNS: [&str; 6] =
     ["mean_power_w", "period", "share", "displacement_m", "velocity_m_per_s", "accuracy_total"];
 
 /// A row for each motion, with the statement and the warnings of its first run, those of the command first.
-fn text(found: &[Branch], runs: &[Outcome], doubts: &[String], format: Format) -> Result<String, Failure> {
+fn text(found: &[Branch], runs: &[Outcome], doubts: &[String], format: Format) -> String {
     let row = |(branch, outcome): (&Branch, &Outcome)| -> Fields {
         fields(branch).into_iter().chain(Statements::of([outcome]).fields(doubts)).collect()
     };
-    let rows: Vec<Fields> = found.iter().zip(runs).map(row).collect();
-    let flat: Vec<Fields> = rows.iter().cloned().map(flattened).collect();
-    Ok(match format {
-        Format::Json => json_text(&rows)?,
-        Format::Csv => rows_csv(flat.iter().take(1).flat_map(Fields::keys), &flat),
-        Format::Table => {
-            let cells =
-                flat.iter().map(|row| COLUMNS.map(|name| row.get(name).map(shown).unwrap_or_default()));
-            table(presets::NOTHING, COLUMNS.to_vec(), cells, 0)
-        }
-    })
+    let rows = Rows(found.iter().zip(runs).map(row).collect());
+    let columns = COLUMNS.map(|name| (name, name, Digits::Six));
+    rows.text(format, |rows| rows.table(presets::NOTHING, &columns, 0))
 }

@@ -7,9 +7,10 @@ use comfy_table::presets;
 use serde::Serialize;
 
 use super::files::Outputs;
-use super::{count, json_text, one_more, print, progress};
+use super::{count, one_more, print, progress};
 use crate::method::Failure;
-use crate::outcome::{Fields, Format, fields, rows_csv, shown, table};
+use crate::outcome::Format;
+use crate::rows::Rows;
 use crate::simulated_node::{Course, Extent, Kind, ROWS, picture, rows, timelines};
 
 #[derive(Debug, Clone, clap::Args)]
@@ -74,15 +75,6 @@ pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
 }
 
 /// Prints rows of the same keys, of which the first few are words.
-pub(super) fn print_rows(rows: &[impl Serialize], format: Format, words: usize) -> Result<(), Failure> {
-    let named: Vec<Fields> = rows.iter().map(fields).collect();
-    let columns = || named.iter().take(1).flat_map(Fields::keys);
-    print(&match format {
-        Format::Json => json_text(&rows)?,
-        Format::Csv => rows_csv(columns(), &named),
-        Format::Table => {
-            let cells = named.iter().map(|row| row.values().map(shown).collect::<Vec<_>>());
-            table(presets::NOTHING, columns().cloned().collect::<Vec<_>>(), cells, words)
-        }
-    })
+pub(super) fn print_rows<T: Serialize>(rows: &[T], format: Format, words: usize) -> Result<(), Failure> {
+    print(&Rows::of(rows).text(format, |rows| rows.table(presets::NOTHING, &rows.plain(), words)))
 }

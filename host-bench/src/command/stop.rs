@@ -8,7 +8,8 @@ use super::sweep::{Axis, check_axes, values};
 use super::{NODE, SceneArguments, check_keys, print, progress, tell};
 use crate::accuracy::run_with_steps;
 use crate::method::{Failure, Method, Options};
-use crate::outcome::{self, Fields, Format, Outcome, number, rows_csv};
+use crate::outcome::{self, Fields, Outcome, number};
+use crate::rows::{Column, Digits, Rows};
 use crate::run::run_scene;
 use crate::scene_file::{self, Model, Override, Scene, contains};
 
@@ -129,12 +130,8 @@ pub fn run(arguments: &StopArguments) -> Result<(), Failure> {
     for row in &rows {
         row.warnings.iter().for_each(|warning| tell(&format!("warning: {}: {warning}", row.place(axes))));
     }
-    let rows: Vec<Fields> = rows.iter().map(|row| fields(axes, row, &rows)).collect();
-    print(&match arguments.scene.format {
-        Format::Json => format!("{:#}\n", json!(rows)),
-        Format::Csv => rows_csv(rows.first().map(Fields::keys).into_iter().flatten(), &rows),
-        Format::Table => table(axes, &rows),
-    })
+    let rows = Rows(rows.iter().map(|row| fields(axes, row, &rows)).collect());
+    print(&rows.text(arguments.scene.format, |rows| table(axes, rows)))
 }
 
 /// The runs without a stop, then those with it. Points that differ in the stop only have one run without it.
@@ -216,19 +213,20 @@ fn fields(axes: &[Axis], row: &Row, rows: &[Row]) -> Fields {
     fields
 }
 
-/// Columns of the table: heading, key, factor, digits.
-const COLUMNS: [(&str, &str, f64, usize); 11] = [
-    ("peak MPa", "clamp_stress_peak_pa", 1e-6, 3),
-    ("RMS MPa", "clamp_stress_rms_pa", 1e-6, 3),
-    ("cycles", "clamp_stress_cycles", 1.0, 1),
-    ("equivalent MPa", "clamp_stress_equivalent_range_pa", 1e-6, 3),
-    ("power uW", "mean_power_w", 1e6, 3),
-    ("contacts/period", "contacts_per_period", 1.0, 2),
-    ("peak saved %", "clamp_stress_peak_saved", 100.0, 1),
-    ("RMS %", "clamp_stress_rms_saved", 100.0, 1),
-    ("range %", "clamp_stress_largest_range_saved", 100.0, 1),
-    ("equivalent %", "clamp_stress_equivalent_range_saved", 100.0, 1),
-    ("power lost %", "mean_power_lost", 100.0, 1),
+/// Columns of the table behind the keys.
+const COLUMNS: [Column<'_>; 12] = [
+    ("stop", "with_stop", Digits::Choice(["none", "yes"])),
+    ("peak MPa", "clamp_stress_peak_pa", Digits::Fixed(1e-6, 3)),
+    ("RMS MPa", "clamp_stress_rms_pa", Digits::Fixed(1e-6, 3)),
+    ("cycles", "clamp_stress_cycles", Digits::Fixed(1.0, 1)),
+    ("equivalent MPa", "clamp_stress_equivalent_range_pa", Digits::Fixed(1e-6, 3)),
+    ("power uW", "mean_power_w", Digits::Fixed(1e6, 3)),
+    ("contacts/period", "contacts_per_period", Digits::Fixed(1.0, 2)),
+    ("peak saved %", "clamp_stress_peak_saved", Digits::Fixed(100.0, 1)),
+    ("RMS %", "clamp_stress_rms_saved", Digits::Fixed(100.0, 1)),
+    ("range %", "clamp_stress_largest_range_saved", Digits::Fixed(100.0, 1)),
+    ("equivalent %", "clamp_stress_equivalent_range_saved", Digits::Fixed(100.0, 1)),
+    ("power lost %", "mean_power_lost", Digits::Fixed(100.0, 1)),
 ];
 
 /// Columns of the table of what is known of the numbers, all in per cent: heading and number, of the power its error.
@@ -240,40 +238,24 @@ const CHANGES: [(&str, &str); 5] = [
     ("equivalent %", "clamp_stress_equivalent_range_pa"),
 ];
 
-fn table(axes: &[Axis], rows: &[Fields]) -> String {
-    let columns = COLUMNS.map(|(heading, key, factor, digits)| (heading, key.to_owned(), factor, digits));
-    let numbers = table_of(axes, rows, &columns);
-    if !rows.iter().any(|row| row.contains_key(POWER_ERROR)) {
+fn table(axes: &[Axis], rows: &Rows) -> String {
+    let behind = |columns: &[Column<'_>]| {
+        let keys = axes.iter().map(|axis| (axis.key.as_str(), axis.key.as_str(), Digits::Exponent(4)));
+        let all: Vec<Column<'_>> = keys.chain(columns.iter().copied()).collect();
+        rows.table(presets::NOTHING, &all, axes.len() + 1)
+    };
+    let numbers = behind(&COLUMNS);
+    if !rows.0.iter().any(|row| row.contains_key(POWER_ERROR)) {
         return numbers;
     }
-    let changes = CHANGES.map(|(heading, key)| (heading, changed(key), 100.0, 3));
-    let power = ("power's error %", POWER_ERROR.to_owned(), 100.0, 3);
-    let columns: Vec<_> = changes.into_iter().chain([power]).collect();
+    let keys = CHANGES.map(|(_, key)| changed(key));
+    let mut columns = vec![COLUMNS[0]];
+    columns.extend(CHANGES.iter().zip(&keys).map(|((heading, _), key)| (*heading, &**key, PER_CENT)));
+    columns.push(("power's error %", POWER_ERROR, PER_CENT));
     format!(
         "{numbers}\nChange in half the steps, and the estimated error of the mean power\n\n{}",
-        table_of(axes, rows, &columns)
+        behind(&columns)
     )
 }
 
-fn table_of(axes: &[Axis], rows: &[Fields], columns: &[(&str, String, f64, usize)]) -> String {
-    let value = |row: &Fields, key: &str| row.get(key).and_then(Value::as_f64);
-    let keys = axes.iter().map(|axis| axis.key.as_str());
-    let headings: Vec<&str> =
-        keys.chain(["stop"]).chain(columns.iter().map(|(heading, ..)| *heading)).collect();
-    let lines = rows.iter().map(|row| {
-        let shown =
-            |key: &str| value(row, key).map_or_else(|| "-".to_owned(), |value| format!("{value:.4e}"));
-        let with = if row.get("with_stop") == Some(&Value::Bool(true)) { "yes" } else { "none" };
-        let numbers = columns.iter().map(|(_, key, factor, digits)| {
-            // No sign of a number that rounds to nothing.
-            let shown = |value: f64| format!("{:.digits$}", factor * value);
-            let number = value(row, key).map(|value| {
-                let text = shown(value);
-                if text.trim_matches(['-', '0', '.']).is_empty() { shown(0.0) } else { text }
-            });
-            number.unwrap_or_else(|| "-".to_owned())
-        });
-        axes.iter().map(|axis| shown(&axis.key)).chain([with.to_owned()]).chain(numbers).collect::<Vec<_>>()
-    });
-    outcome::table(presets::NOTHING, headings, lines, axes.len() + 1)
-}
+const PER_CENT: Digits = Digits::Fixed(100.0, 3);

@@ -24,8 +24,9 @@ use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
 use crate::method::{Failure, Options};
 use crate::name::Name;
-use crate::outcome::{self, Fields, Format, STABLE, fields, flattened, number, rows_csv, small};
+use crate::outcome::{Fields, Format, STABLE, fields, flattened, number, rows_csv};
 use crate::report::setting::{margin, setting};
+use crate::rows::{Column, Digits};
 use crate::run::{run_scene, stopped_as_text};
 use crate::scene_file::{self, Override, Scene};
 use crate::stability::{build, fnv_1a};
@@ -131,7 +132,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     }
     print(&match arguments.scene.format {
         Format::Table => table(axes, &points),
-        Format::Json => json(axes, &points),
+        Format::Json => format!("{:#}\n", json!(rows_of(axes, &points).0)),
         Format::Csv => csv(axes, &points),
     })?;
     outputs.ended()?;
@@ -332,6 +333,10 @@ fn row(axes: &[Axis], point: &Point) -> Fields {
     row
 }
 
+fn rows_of(axes: &[Axis], points: &[Point]) -> crate::rows::Rows {
+    crate::rows::Rows(points.iter().map(|point| row(axes, point)).collect())
+}
+
 fn csv(axes: &[Axis], points: &[Point]) -> String {
     let rows: Vec<Fields> = points.iter().map(|point| flattened(row(axes, point))).collect();
     let run = points.iter().position(|point| point.found.is_ok());
@@ -343,39 +348,22 @@ fn csv(axes: &[Axis], points: &[Point]) -> String {
     rows_csv(&columns, &rows)
 }
 
-fn json(axes: &[Axis], points: &[Point]) -> String {
-    let rows: Vec<Fields> = points.iter().map(|point| row(axes, point)).collect();
-    format!("{:#}\n", json!(rows))
-}
-
 /// The values of each point with its power and voltage, aligned.
 fn table(axes: &[Axis], points: &[Point]) -> String {
-    let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.5e}"));
-    let keys = axes.iter().map(|axis| axis.key.as_str());
+    let keys = axes.iter().map(|axis| (axis.key.as_str(), axis.key.as_str(), Digits::Exponent(5)));
     let steady = points.iter().any(|point| point.text("steady_state").is_some());
-    let names = ["mean_power_w", "stated_error", "rms_voltage_v", "smallest_margin", "steps"].into_iter();
-    let headings = keys.chain(names).chain(steady.then_some("steady_state")).chain(["error"]);
-    let rows = points.iter().map(|point| {
-        let values = point.values.iter().map(|value| shown(Some(*value)));
-        let (found, error) = match &point.found {
-            Ok(fields) => (
-                [
-                    shown(point.number("mean_power_w")),
-                    small(fields.get("accuracy").and_then(|accuracy| accuracy.get("total")?.as_f64())),
-                    shown(point.number("rms_voltage_v")),
-                    shown(point.number("smallest_margin")),
-                    fields.get("steps").map_or_else(|| shown(None), ToString::to_string),
-                ],
-                String::new(),
-            ),
-            Err(error) => ([(); 5].map(|()| shown(None)), error.clone()),
-        };
-        let verdict = steady.then(|| point.text("steady_state").map_or_else(|| shown(None), str::to_owned));
-        values.chain(found).chain(verdict).chain([error]).collect::<Vec<_>>()
-    });
-    let headings: Vec<&str> = headings.collect();
-    let words = headings.len();
-    outcome::table(presets::NOTHING, headings, rows, words)
+    let columns: Vec<Column<'_>> = keys
+        .chain([
+            ("mean_power_w", "mean_power_w", Digits::Exponent(5)),
+            ("stated_error", "accuracy_total", Digits::Exponent(1)),
+            ("rms_voltage_v", "rms_voltage_v", Digits::Exponent(5)),
+            ("smallest_margin", "smallest_margin", Digits::Exponent(5)),
+            ("steps", "steps", Digits::Six),
+        ])
+        .chain(steady.then_some(("steady_state", "steady_state", Digits::Six)))
+        .chain([("error", "error", Digits::Word)])
+        .collect();
+    rows_of(axes, points).table(presets::NOTHING, &columns, columns.len())
 }
 
 fn quantities(points: &[Point]) -> Vec<Quantity> {

@@ -8,7 +8,7 @@ use crate::motion::quantity;
 use crate::outcome::Format;
 use crate::report::Picture;
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
-use crate::report::setting::prefix;
+use crate::report::setting::scaled;
 use crate::report::svg::{BLACK, BLUE, COLOURS, VERMILION, range};
 
 /// Most columns drawn.
@@ -29,11 +29,9 @@ pub(crate) fn picture(found: &Found, title: &str) -> Result<Picture, Failure> {
 }
 
 /// The name of a quantity with its unit, and the factor to it.
-fn scaled(column: &str, largest: f64) -> (String, f64) {
+fn named_unit(column: &str, largest: f64) -> (String, f64) {
     let (word, unit) = quantity(column);
-    let (sign, factor) = prefix(largest);
-    let word = word.replace("rms ", "RMS ");
-    if unit.is_empty() { (word, 1.0) } else { (format!("{word} [{sign}{unit}]"), factor) }
+    scaled(&word.replace("rms ", "RMS "), unit, largest)
 }
 
 fn across(column: &Column) -> Axis {
@@ -71,7 +69,7 @@ fn named(word: &str, group: &str) -> String {
 
 /// Measured points with their standard deviations, and the model as lines.
 fn data(column: &Column) -> Chart {
-    let (title, factor) = scaled(&column.column, largest(column.measured.iter().copied()));
+    let (title, factor) = named_unit(&column.column, largest(column.measured.iter().copied()));
     let mut curves = Vec::new();
     for (index, Shown { rows, colours, name }) in shown(column).enumerate() {
         let line: Vec<(f64, f64)> = match column.lines.get(index) {
@@ -97,7 +95,7 @@ fn residuals(column: &Column) -> Chart {
     let difference = |row: usize| column.measured[row] - column.model[row];
     let deviation = |row: usize| column.std.as_ref().map_or(0.0, |std| std[row]);
     let most = largest((0..column.x.len()).map(|row| difference(row).abs() + deviation(row)));
-    let (title, factor) = scaled(&column.column, most);
+    let (title, factor) = named_unit(&column.column, most);
     let unit = title.find('[').map_or("", |at| &title[at..]);
     let across = across(column);
     let level = Curve::new("", BLACK, Mark::Line(1.0), across.span.map(|x| (x, 0.0)));

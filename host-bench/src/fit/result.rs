@@ -19,7 +19,8 @@ use crate::accuracy::Statements;
 use crate::command::json_text;
 use crate::method::Failure;
 use crate::name::Name;
-use crate::outcome::{Format, cell, csv_line, flattened, number, optional_number, small, table};
+use crate::outcome::{Format, fields, small};
+use crate::rows::{Column, Digits, Rows};
 use crate::seeds::student::quantile;
 
 /// Probability of the intervals.
@@ -232,52 +233,40 @@ pub(super) fn product(combination: &Combination) -> String {
 pub(crate) fn text(found: &Found, format: Format) -> Result<String, Failure> {
     match format {
         Format::Json => json_text(&found.json()),
-        Format::Csv => {
-            let stated = flattened(found.statements.fields(&found.warnings));
-            let heading = ["key", "value", "standard_error", "low_95", "high_95", "start", "at_bound"];
-            let heading = heading.map(str::to_owned).into_iter().chain(stated.keys().cloned());
-            let mut text = csv_line(heading);
-            for parameter in &found.parameters {
-                let [low, high] = [0, 1].map(|end| parameter.interval_95.map(|ends| ends[end]));
-                let cells = [
-                    parameter.key.clone(),
-                    number(parameter.value),
-                    optional_number(parameter.standard_error),
-                    optional_number(low),
-                    optional_number(high),
-                    number(parameter.start),
-                    parameter.at_bound.to_string(),
-                ];
-                text += &csv_line(cells.into_iter().chain(stated.values().map(cell)));
-            }
-            Ok(text)
-        }
+        Format::Csv => Ok(rows(found).csv()),
         Format::Table => Ok(for_people(found)),
     }
 }
 
-/// Six digits.
-fn digits(value: f64) -> String {
-    format!("{value:.5e}")
+/// A row for each parameter.
+fn rows(found: &Found) -> Rows {
+    let stated = found.statements.fields(&found.warnings);
+    let row = |parameter: &Parameter| {
+        let Parameter { key, value, standard_error, interval_95, start, at_bound, .. } = parameter;
+        let [low, high] = [0, 1].map(|end| interval_95.map(|ends| ends[end]));
+        let mut row = fields(&json!({
+            "key": key, "value": value, "standard_error": standard_error, "low_95": low, "high_95": high, "start": start,
+            "at_bound": at_bound,
+        }));
+        row.extend(stated.clone());
+        row
+    };
+    Rows(found.parameters.iter().map(row).collect())
 }
 
+/// Columns of the table.
+const COLUMNS: [Column<'_>; 7] = [
+    ("key", "key", Digits::Word),
+    ("value", "value", Digits::Exponent(5)),
+    ("standard error", "standard_error", Digits::Exponent(5)),
+    ("95 % from", "low_95", Digits::Exponent(5)),
+    ("to", "high_95", Digits::Exponent(5)),
+    ("start", "start", Digits::Exponent(5)),
+    ("", "at_bound", Digits::Choice(["", "at its bound"])),
+];
+
 fn for_people(found: &Found) -> String {
-    let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), digits);
-    let rows = found.parameters.iter().map(|parameter| {
-        let [low, high] = [0, 1].map(|end| parameter.interval_95.map(|ends| ends[end]));
-        let note = if parameter.at_bound { "at its bound" } else { "" };
-        vec![
-            parameter.key.clone(),
-            digits(parameter.value),
-            shown(parameter.standard_error),
-            shown(low),
-            shown(high),
-            digits(parameter.start),
-            note.to_owned(),
-        ]
-    });
-    let headings = ["key", "value", "standard error", "95 % from", "to", "start", ""];
-    let mut text = table(presets::ASCII_MARKDOWN, headings.map(str::to_owned).to_vec(), rows, 1);
+    let mut text = rows(found).table(presets::ASCII_MARKDOWN, &COLUMNS, 1);
     text.push('\n');
     for (name, value) in &found.relative_residual {
         let _ = writeln!(text, "relative residual of {name}: {value:.3e}");

@@ -18,6 +18,12 @@ pub(crate) fn prefix(magnitude: f64) -> (&'static str, f64) {
     found.map_or(("", 1.0), |(name, power)| (*name, 1000f64.powi(-power)))
 }
 
+/// A quantity with the prefix of its unit for its largest magnitude, and the factor to it; without a unit neither.
+pub(crate) fn scaled(word: &str, unit: &str, largest: f64) -> (String, f64) {
+    let (prefix, factor) = prefix(largest);
+    if unit.is_empty() { (word.to_owned(), 1.0) } else { (format!("{word} [{prefix}{unit}]"), factor) }
+}
+
 /// A value with its unit, such as 100 MΩ; a value without a magnitude has the unit alone.
 pub(crate) fn with_unit(value: f64, unit: &str) -> String {
     let (prefix, factor) = prefix(value.abs());

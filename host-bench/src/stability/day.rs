@@ -1,12 +1,12 @@
 //! A day of simulated time in single precision against double precision: what a node sums up, drifts by, and claims.
 
 use clap::ValueEnum as _;
-use comfy_table::presets;
 use serde::Serialize;
 
 use super::Kind;
 use crate::method::{Failure, Options, Precision};
-use crate::outcome::{Outcome, small, standard_error_of_sum, table};
+use crate::outcome::{Outcome, standard_error_of_sum};
+use crate::rows::{Column, Digits};
 use crate::run::run_scene;
 use crate::scene_file::{self, Override, RunSpan, Scene};
 
@@ -142,38 +142,20 @@ impl Pair {
     }
 }
 
-/// The comparisons as a table for a terminal.
-pub(crate) fn comparison(rows: &[Compared]) -> String {
-    let headings = [
-        "scene",
-        "f32 against f64",
-        "simulated f32 [s]",
-        "f64",
-        "steps",
-        "f32 [W]",
-        "f64 [W]",
-        "difference",
-        "standard error",
-        "processor f32 [s]",
-        "f64",
-    ];
-    let lines = rows.iter().map(|row| {
-        vec![
-            row.scene.to_owned(),
-            row.setting.clone(),
-            row.duration_f32_s.to_string(),
-            row.duration_f64_s.to_string(),
-            row.steps.to_string(),
-            format!("{:.6e}", row.mean_power_f32_w),
-            format!("{:.6e}", row.mean_power_f64_w),
-            small(Some(row.difference)),
-            small(Some(row.standard_error)),
-            format!("{:.0}", row.processor_f32_s),
-            format!("{:.0}", row.processor_f64_s),
-        ]
-    });
-    table(presets::NOTHING, headings.to_vec(), lines, 2)
-}
+/// The columns of the table of comparisons, of which the first two are words.
+pub(crate) const COLUMNS: [Column<'_>; 11] = [
+    ("scene", "scene", Digits::Six),
+    ("f32 against f64", "setting", Digits::Six),
+    ("simulated f32 [s]", "duration_f32_s", Digits::Six),
+    ("f64", "duration_f64_s", Digits::Six),
+    ("steps", "steps", Digits::Six),
+    ("f32 [W]", "mean_power_f32_w", Digits::Exponent(6)),
+    ("f64 [W]", "mean_power_f64_w", Digits::Exponent(6)),
+    ("difference", "difference", Digits::Exponent(1)),
+    ("standard error", "standard_error", Digits::Exponent(1)),
+    ("processor f32 [s]", "processor_f32_s", Digits::Fixed(1.0, 0)),
+    ("f64", "processor_f64_s", Digits::Fixed(1.0, 0)),
+];
 
 #[cfg(test)]
 mod tests {

@@ -1,11 +1,13 @@
 //! `stability --day`: a day of each shipped scene in single against double precision.
 
+use comfy_table::presets;
 use rayon::prelude::*;
 
-use crate::command::{json_text, one_more, print, progress};
+use crate::command::{one_more, print, progress};
 use crate::method::Failure;
-use crate::outcome::{Format, Outcome, cell, csv, fields};
-use crate::stability::{Compared, DAY_S, Kind, comparison, pairs};
+use crate::outcome::{Format, Outcome};
+use crate::rows::Rows;
+use crate::stability::{COLUMNS, Compared, DAY_S, Kind, pairs};
 
 /// Runs all pairs on all cores and prints them.
 ///
@@ -32,15 +34,7 @@ pub(super) fn run(kind: Option<Kind>, format: Format) -> Result<(), Failure> {
     let rows: Result<Vec<Compared>, Failure> =
         both.map(|(runs, pair)| pair.compared([&runs[0], &runs[1]])).collect();
     let rows = rows?;
-    print(&match format {
-        Format::Table => comparison(&rows),
-        Format::Csv => {
-            let names: Vec<String> =
-                rows.iter().take(1).flat_map(|row| fields(row).keys().cloned().collect::<Vec<_>>()).collect();
-            csv(&names.join(","), rows.iter().map(|row| fields(row).values().map(cell).collect::<Vec<_>>()))
-        }
-        Format::Json => json_text(&rows)?,
-    })?;
+    print(&Rows::of(&rows).text(format, |rows| rows.table(presets::NOTHING, &COLUMNS, 2)))?;
     let apart = rows.iter().filter(|row| !row.agrees()).count();
     if apart == 0 {
         Ok(())

@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use crate::report::Picture;
 use crate::report::chart::{self, Chart, Curve, FITTING, Mark};
-use crate::report::setting::{label, prefix};
+use crate::report::setting::{label, scaled};
 use crate::report::svg::{BLUE, VERMILION, shade, tick};
 
 /// Most curves of one chart.
@@ -23,10 +23,8 @@ impl Quantity {
     fn scaled(&self) -> (String, Vec<Option<f64>>) {
         let finite = || self.values.iter().map(|value| value.filter(|value| value.is_finite()));
         let largest = finite().flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let (prefix, factor) = if self.unit.is_empty() { ("", 1.0) } else { prefix(largest) };
-        let values = finite().map(|value| value.map(|value| factor * value)).collect();
-        let unit = format!(" [{prefix}{}]", self.unit);
-        (format!("{}{}", self.name, if self.unit.is_empty() { "" } else { &unit }), values)
+        let (name, factor) = scaled(self.name, self.unit, largest);
+        (name, finite().map(|value| value.map(|value| factor * value)).collect())
     }
 }
 
