@@ -15,6 +15,8 @@ pub(crate) enum Digits {
     Exponent(usize),
     /// Times a factor, with so many digits behind the point.
     Fixed(f64, usize),
+    /// By a function.
+    By(fn(f64) -> String),
     /// One of two words.
     Choice([&'static str; 2]),
     /// A word; nothing where it is not there.
@@ -31,6 +33,7 @@ impl Digits {
                 // No sign of a number that rounds to nothing.
                 if text.trim_matches(['-', '0', '.']).is_empty() { format!("{:.digits$}", 0.0) } else { text }
             }
+            (Self::By(text), Some(number)) => text(number),
             (Self::Choice([no, yes]), _) => (if value == true { yes } else { no }).to_owned(),
             (Self::Word, _) if value.is_null() => String::new(),
             _ => shown(value),

@@ -19,6 +19,7 @@ use crate::needs::{
 use crate::on_target::core::Core;
 use crate::on_target::{self, Bench, Measurement};
 use crate::outcome::{Fields, Format, SwitchCycles, fields, name, rows_csv, small, table};
+use crate::rows::{Digits, Rows};
 use crate::run::run_scene;
 use crate::scene_file::{self, Excitation, Override, Scene};
 
@@ -251,20 +252,17 @@ impl Emitting<'_> {
 const TIME_LIMIT: Duration = Duration::from_secs(600);
 
 fn costs_table(costs: &[Cost]) -> String {
-    let rows = costs.iter().map(|cost| {
-        vec![
-            cost.scene.to_owned(),
-            cost.flash_bytes.to_string(),
-            cost.stack_bytes.to_string(),
-            format!("{:.0}", cost.instructions_per_s),
-            format!("{:.4e} W", cost.mean_power_w),
-        ]
-    });
-    let headings = ["scene", "flash", "stack", "instructions per s", "mean power"];
+    let columns = [
+        ("scene", "scene", Digits::Word),
+        ("flash", "flash_bytes", Digits::Six),
+        ("stack", "stack_bytes", Digits::Six),
+        ("instructions per s", "instructions_per_s", Digits::Fixed(1.0, 0)),
+        ("mean power", "mean_power_w", Digits::By(|power_w| format!("{power_w:.4e} W"))),
+    ];
     let core = costs.first().map_or("", |cost| cost.core.as_str());
     format!(
         "\nOn the {core}, in bytes and instructions per simulated second, both by that setting; the energy has the host's bits\n\n{}",
-        table(presets::NOTHING, headings, rows, 1)
+        Rows::of(costs).table(presets::NOTHING, &columns, 1)
     )
 }
 

@@ -4,49 +4,36 @@ use comfy_table::presets;
 
 use super::super::table::{grouped, ratio, resistance};
 use super::{AGREED, Grid, MET, NEAR, Row, Summary, is_known};
-use crate::outcome::{fields, rows_csv, small, table};
+use crate::rows::{Column, Digits, Rows};
 
-const HEADINGS: [&str; 14] = [
-    "scene",
-    "load",
-    "force law",
-    "excitation",
-    "accuracy",
-    "auto: tolerance",
-    "error",
-    "attempts per simulated s",
-    "ns per simulated s",
-    "over best",
-    "best",
-    "its error",
-    "its attempts per simulated s",
-    "over sure best",
+const COLUMNS: [Column<'_>; 14] = [
+    ("scene", "scene", Digits::Word),
+    ("load", "load_ohm", Digits::By(resistance)),
+    ("force law", "force_law", Digits::Word),
+    ("excitation", "excitation", Digits::Word),
+    ("accuracy", "accuracy", Digits::Exponent(0)),
+    ("auto: tolerance", "auto_tolerance", Digits::Exponent(1)),
+    ("error", "auto_error", Digits::Exponent(1)),
+    ("attempts per simulated s", "auto_attempts_per_s", Digits::By(grouped)),
+    ("ns per simulated s", "auto_ns_per_s", Digits::By(grouped)),
+    ("over best", "auto_over_best", OVER),
+    ("best", "best", Digits::Word),
+    ("its error", "best_error", Digits::Exponent(1)),
+    ("its attempts per simulated s", "best_attempts_per_s", Digits::By(grouped)),
+    ("over sure best", "auto_over_sure", OVER),
 ];
 /// Columns at the left that hold words.
 const WORDS: usize = 4;
+/// A ratio of run times.
+const OVER: Digits = Digits::By(|value| ratio(Some(value)));
 
 impl Row {
-    fn cells(&self) -> [String; HEADINGS.len()] {
-        let best = match (self.best_method, &self.best_setting) {
+    /// The cheapest choice.
+    fn best(&self) -> String {
+        match (self.best_method, &self.best_setting) {
             (Some(method), Some(setting)) => format!("{method} {setting}"),
             _ => "none".to_owned(),
-        };
-        [
-            self.scene.to_owned(),
-            resistance(self.load_ohm),
-            self.force_law.to_owned(),
-            self.excitation.to_owned(),
-            format!("{:.0e}", self.accuracy),
-            format!("{:.1e}", self.auto_tolerance),
-            small(Some(self.auto_error)),
-            grouped(self.auto_attempts_per_s),
-            grouped(self.auto_ns_per_s),
-            ratio(self.auto_over_best),
-            best,
-            small(self.best_error),
-            self.best_attempts_per_s.map_or_else(|| "-".to_owned(), grouped),
-            ratio(self.auto_over_sure),
-        ]
+        }
     }
 }
 
@@ -71,7 +58,11 @@ impl Summary {
 
 /// The table for a terminal, with what it says below.
 pub(crate) fn text(grid: &Grid) -> String {
-    let table = table(presets::ASCII_MARKDOWN, HEADINGS.to_vec(), grid.rows.iter().map(Row::cells), WORDS);
+    let mut rows = Rows::of(&grid.rows);
+    for (shown, row) in rows.0.iter_mut().zip(&grid.rows) {
+        shown.insert("best".to_owned(), row.best().into());
+    }
+    let table = rows.table(presets::ASCII_MARKDOWN, &COLUMNS, WORDS);
     let known = grid.rows.iter().filter(|row| is_known(row.cross_check, row.accuracy));
     let largest = known.map(|row| row.cross_check).fold(0.0, f64::max);
     format!(
@@ -86,7 +77,5 @@ pub(crate) fn text(grid: &Grid) -> String {
 
 /// The rows as CSV.
 pub(crate) fn csv(grid: &Grid) -> String {
-    let rows: Vec<_> = grid.rows.iter().map(fields).collect();
-    let columns: Vec<String> = rows.first().map(|row| row.keys().cloned().collect()).unwrap_or_default();
-    rows_csv(&columns, &rows)
+    Rows::of(&grid.rows).csv()
 }

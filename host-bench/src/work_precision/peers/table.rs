@@ -3,7 +3,8 @@
 use comfy_table::presets;
 
 use super::{Comparison, Row, TARGETS, reaching};
-use crate::outcome::{csv_line, optional_number, small, table};
+use crate::outcome::{small, table};
+use crate::rows::Rows;
 
 /// Error of the best row of a method from which it counts as wrong.
 const WRONG: f64 = 1e-2;
@@ -111,25 +112,5 @@ pub(crate) fn text(comparisons: &[Comparison]) -> String {
 
 /// One line for each row.
 pub(crate) fn csv(comparisons: &[Comparison]) -> String {
-    let heading = "scene,load_ohm,method,crate,peer,tolerance,steps_per_period,error,\
-                   instructions_per_simulated_second,seconds_per_simulated_second,time_spread,steps_per_simulated_second,failure\n";
-    let line = |row: &Row| {
-        csv_line([
-            row.scene.to_owned(),
-            optional_number(row.load_ohm),
-            row.method.to_owned(),
-            row.package.unwrap_or_default().to_owned(),
-            row.peer.to_string(),
-            optional_number(row.tolerance),
-            optional_number(row.steps_per_period),
-            optional_number(row.error),
-            optional_number(row.instructions_per_simulated_second),
-            optional_number(row.seconds_per_simulated_second),
-            optional_number(row.time_spread),
-            optional_number(row.steps_per_simulated_second),
-            row.failure.clone().unwrap_or_default(),
-        ])
-    };
-    let rows = comparisons.iter().flat_map(|comparison| comparison.methods.iter().flatten());
-    heading.to_owned() + &rows.map(line).collect::<String>()
+    Rows::of(comparisons.iter().flat_map(|comparison| comparison.methods.iter().flatten())).csv()
 }
