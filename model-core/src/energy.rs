@@ -1,7 +1,6 @@
 //! Harvested energy: meters, the estimator of a node, the energy ledger, and the energy budget of a node.
 
 mod account;
-mod action;
 mod budget;
 pub mod estimator;
 mod forecast;
@@ -13,8 +12,7 @@ pub mod response_map;
 mod storage;
 
 pub use account::Account;
-pub use action::Action;
-pub use budget::{Budget, BudgetParameters, BudgetState};
+pub use budget::{Action, Budget, BudgetParameters, BudgetState};
 pub use estimator::{Estimate, Estimator, Uncertainty};
 pub use income::IncomeParameters;
 pub use ledger::{Ledger, Residual};

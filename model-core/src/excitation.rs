@@ -11,30 +11,26 @@ mod line_bank;
 mod random;
 mod sample_grid;
 mod sampled;
-mod silence;
 mod sine;
 mod stream;
 mod sweep;
-mod tones;
 
-use crate::any::forward;
 use crate::bounds::ParameterError;
 use crate::clock::Instant;
+use crate::forward;
 use crate::oscillator::{Kernel, Response};
 use crate::scalar::Scalar;
 
-pub use any::AnyExcitation;
+pub use any::{AnyExcitation, Silence};
 pub use burst::Burst;
 pub use density::{DENSITY_FREQUENCY, SPECTRAL_DENSITY, SpectralDensity};
 pub use line_bank::{LineBank, LineBankState, Lines};
 pub use random::{Random, SpectralLine};
 pub use sampled::{AfterLastSample, Sampled};
-pub use silence::Silence;
-pub use sine::Sine;
+pub use sine::{Sine, Tones};
 pub(crate) use stream::is_acceleration;
 pub use stream::{LARGEST_SAMPLE, Stream, StreamError};
 pub use sweep::{Sweep, SweepLaw};
-pub use tones::Tones;
 
 /// The straight line over a step with the mean and the first moment of an acceleration, in m/s².
 #[derive(Debug, Clone, Copy, PartialEq)]

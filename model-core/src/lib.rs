@@ -75,7 +75,6 @@
 //! returns a [`hybrid::StepError`], and the state is then the last good one. An excitation returns an
 //! [`excitation::ExcitationError`], an estimator an [`energy::estimator::EstimatorError`]. No function panics.
 
-mod any;
 pub mod bounds;
 pub mod clock;
 pub mod energy;
@@ -121,3 +120,21 @@ pub mod budget {
         Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,
     };
 }
+
+/// Methods in the `impl` of a trait for an enum of components, one `match` for all of them:
+/// `forward! { match { Self::None => NoDraw, Self::Power(draw) => draw } fn current(&self, voltage: S) -> S; }`
+macro_rules! forward {
+    (match $arms:tt $(
+        $(#[$attribute:meta])*
+        fn $method:ident(&self $(, $argument:ident: $type:ty)* $(,)?) $(-> $result:ty)?;
+    )+) => {$(
+        $(#[$attribute])*
+        fn $method(&self $(, $argument: $type)*) $(-> $result)? {
+            $crate::forward!(@ self $arms $method ($($argument),*))
+        }
+    )+};
+    (@ $self:ident { $($variant:pat => $component:expr),+ $(,)? } $method:ident $arguments:tt) => {
+        match $self { $($variant => $component.$method $arguments),+ }
+    };
+}
+pub(crate) use forward;

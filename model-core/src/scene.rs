@@ -8,7 +8,6 @@ pub mod bump_stop;
 pub mod contact_separation;
 mod coupled;
 mod electrical_port;
-mod parts;
 pub mod rectified;
 mod simulation;
 pub mod sliding;
@@ -227,3 +226,26 @@ pub trait Scene<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, P, M
     /// As [`Harvester::identify`].
     fn identify(&self, fingerprint: &mut Fingerprint);
 }
+
+/// Declares `Parts` and implements it for `Choices`: each type parameter of `Choices` with its name and its bound.
+macro_rules! parts {
+    ($scalar:ident: $($(#[$doc:meta])* $parameter:ident = $name:ident: $bound:path,)+) => {
+        /// The component types of [`Choices`].
+        pub trait Parts<$scalar: Scalar>: Copy + Debug + PartialEq {
+            $($(#[$doc])* type $name: $bound;)+
+
+            /// The choices themselves.
+            fn choices(&self) -> &Choices<$(Self::$name),+>;
+        }
+
+        impl<$scalar: Scalar, $($parameter: $bound),+> Parts<$scalar> for Choices<$($parameter),+> {
+            $(type $name = $parameter;)+
+
+            #[inline(always)]
+            fn choices(&self) -> &Self {
+                self
+            }
+        }
+    };
+}
+pub(crate) use parts;

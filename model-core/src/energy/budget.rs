@@ -5,7 +5,6 @@
 //! this case and the rounding of the arithmetic. The caller raises it by the uncertainty of income and expenditure.
 
 use super::account::{Account, AccountSums};
-use super::action::Action;
 use super::forecast::SlotRelaxations;
 use super::income::{DAY_SECONDS, Income, IncomeParameters, IncomeState};
 use super::storage::{Relaxation, Storage, StorageParameters};
@@ -333,3 +332,42 @@ impl<S: Scalar, const SLOTS: usize> Configuration for Budget<S, SLOTS> {
 
 #[cfg(test)]
 mod tests;
+
+/// An action of a node on top of its standing load, such as a measurement or a transmission.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Action<S> {
+    name: &'static str,
+    energy: S,
+    duration: S,
+}
+
+impl<S: Scalar> Action<S> {
+    /// An action that takes at most `energy` in J at the load and at most `duration` in s. `name` is for logs.
+    ///
+    /// # Errors
+    /// An `energy` or a `duration` that is not from 0 to 10⁹.
+    pub fn new(name: &'static str, energy: S, duration: S) -> Result<Self, ParameterError<S>> {
+        Bounds::new(0.0, 1e9).check("energy", energy)?;
+        Bounds::new(0.0, 1e9).check("duration", duration)?;
+        Ok(Self { name, energy, duration })
+    }
+
+    /// The name.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Upper bound of the energy at the load in J.
+    #[must_use]
+    pub fn energy(&self) -> S {
+        self.energy
+    }
+
+    /// Upper bound of the duration in s.
+    #[must_use]
+    pub fn duration(&self) -> S {
+        self.duration
+    }
+}

@@ -84,14 +84,11 @@
 //! [`Uncertainty`] states the contents and the accuracy of the uncertainty figures.
 
 mod accumulator;
-mod bias;
-mod elapsed;
 mod gaps;
 mod origin;
 mod response;
 mod sample;
 mod sampling;
-mod sensor;
 mod state;
 mod uncertainty;
 

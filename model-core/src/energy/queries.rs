@@ -5,7 +5,7 @@
 //! of the load at the lock-out without hysteresis. A *pass* is one walk through the `SLOTS + 1` stretches of
 //! that day, with two multiplications and a few additions per stretch. The whole takes two exponentials.
 
-use super::action::Action;
+use super::budget::Action;
 use super::budget::{Budget, BudgetState};
 use super::forecast::{Forecast, largest};
 use crate::scalar::Scalar;

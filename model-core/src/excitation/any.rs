@@ -1,8 +1,8 @@
-//! An excitation chosen at run time, for hosts that read scene files.
+//! No excitation, and one chosen at run time, for hosts that read scene files.
 
-use super::{Burst, Excitation, Line, Random, Sampled, Silence, Sine, Sweep, Tones};
-use crate::any::forward;
+use super::{Burst, Excitation, Line, Random, Sampled, Sine, Sweep, Tones};
 use crate::clock::Instant;
+use crate::forward;
 use crate::oscillator::{Kernel, Response};
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 
@@ -65,5 +65,32 @@ impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExci
             Self::Random(random) => random.smooth_ticks(at),
             Self::Silence | Self::Sine(_) | Self::Tones(_) => u32::MAX,
         }
+    }
+}
+
+/// A base at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Silence;
+
+impl<S: Scalar> Excitation<S> for Silence {
+    #[inline]
+    fn acceleration(&self, _at: Instant) -> S {
+        S::ZERO
+    }
+
+    #[inline]
+    fn jerk(&self, _at: Instant) -> S {
+        S::ZERO
+    }
+
+    #[inline]
+    fn response(&self, _at: Instant, _ticks: u32, _kernel: &Kernel<S>) -> Response<S> {
+        Response::NONE
+    }
+
+    #[inline]
+    fn line(&self, _at: Instant, _ticks: u32, _step: S, _start: S) -> Line<S> {
+        Line::between(S::ZERO, S::ZERO)
     }
 }

@@ -1,4 +1,4 @@
-//! A sine of fixed amplitude, frequency and phase, `a(t) = A sin(2π f t + φ)`.
+//! A sine of fixed amplitude, frequency and phase, and sums of them.
 
 use core::marker::PhantomData;
 
@@ -6,6 +6,7 @@ use super::{Excitation, ExcitationError, Line};
 use crate::clock::{Frequency, Instant, ticks_of_seconds};
 use crate::oscillator::{Kernel, LONGEST_RADIANS, Response};
 use crate::scalar::{Mathematics, Polynomial, Scalar, turns_of_radians};
+use heapless::Vec;
 
 /// `a(t) = A sin(2π f t + φ)`.
 ///
@@ -99,6 +100,61 @@ pub(super) fn line_of_sine<S: Scalar>(chord: Line<S>, radians: S) -> Line<S> {
     Line { mean: mean + mean * of_mean, tilt: tilt + tilt * of_tilt, end }
 }
 
+/// A sum of at most `CAPACITY` sines; zero if empty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tones<S, const CAPACITY: usize, M = Polynomial> {
+    tones: Vec<Sine<S, M>, CAPACITY>,
+}
+
+impl<S: Scalar, const CAPACITY: usize, M: Mathematics<S>> Tones<S, CAPACITY, M> {
+    /// A sum without sines.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { tones: Vec::new() }
+    }
+
+    /// Adds a sine.
+    ///
+    /// # Errors
+    /// The sine itself if there are `CAPACITY` sines already.
+    pub fn push(&mut self, tone: Sine<S, M>) -> Result<(), Sine<S, M>> {
+        self.tones.push(tone)
+    }
+}
+
+impl<S: Scalar, const CAPACITY: usize, M: Mathematics<S>> Default for Tones<S, CAPACITY, M> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<S: Scalar, const CAPACITY: usize, M: Mathematics<S>> Excitation<S> for Tones<S, CAPACITY, M> {
+    #[inline]
+    fn acceleration(&self, at: Instant) -> S {
+        self.tones.iter().fold(S::ZERO, |sum, tone| sum + tone.acceleration(at))
+    }
+
+    #[inline]
+    fn jerk(&self, at: Instant) -> S {
+        self.tones.iter().fold(S::ZERO, |sum, tone| sum + tone.jerk(at))
+    }
+
+    #[inline]
+    fn resolved_ticks(&self) -> u32 {
+        self.tones.iter().map(Excitation::<S>::resolved_ticks).min().unwrap_or(u32::MAX)
+    }
+
+    #[inline]
+    fn angular_frequency(&self) -> S {
+        self.tones.iter().fold(S::ZERO, |fastest, tone| fastest.max(tone.angular_frequency()))
+    }
+
+    #[inline]
+    fn response(&self, at: Instant, ticks: u32, kernel: &Kernel<S>) -> Response<S> {
+        self.tones.iter().fold(Response::NONE, |sum, tone| sum.and(tone.response(at, ticks, kernel)))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,5 +186,21 @@ mod tests {
         assert_eq!(Sine::<f32>::new(f32::NAN, 1.0, 0.0), Err(ExcitationError::Amplitude));
         assert_eq!(Sine::<f32>::new(1.0, -1.0, 0.0), Err(ExcitationError::Frequency));
         assert_eq!(Sine::<f32>::new(1.0, 1.0, f32::INFINITY), Err(ExcitationError::Phase));
+    }
+}
+
+#[cfg(test)]
+mod tests_of_tones {
+    use super::*;
+
+    #[test]
+    fn adds_its_tones_and_refuses_one_too_many() {
+        let (a, b) =
+            (Sine::new(1.0_f64, 20.0, 0.0).expect("valid"), Sine::new(0.5_f64, 33.0, 1.0).expect("valid"));
+        let mut tones = Tones::<f64, 2>::new();
+        assert_eq!((tones.push(a), tones.push(b), tones.push(a)), (Ok(()), Ok(()), Err(a)));
+        let at = Instant::from_ticks(987_654_321_012);
+        assert_eq!(tones.acceleration(at), a.acceleration(at) + b.acceleration(at));
+        assert_eq!(tones.jerk(at), a.jerk(at) + b.jerk(at));
     }
 }

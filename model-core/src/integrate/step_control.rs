@@ -10,9 +10,9 @@
 //! rejected and repeated with `0.9 h r^(−1/k)`.
 
 use super::control_memory::{ControlMemory, LEAST_REMEMBERED};
-use crate::any::forward;
 use crate::bounds::{Bounds, ParameterError};
 use crate::clock::{LONGEST_STEP_S, seconds_of_ticks, ticks_of_seconds};
+use crate::forward;
 use crate::scalar::Scalar;
 
 /// The errors of an attempted step.

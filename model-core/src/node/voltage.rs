@@ -21,7 +21,7 @@ pub(super) mod tests;
 pub(super) use beside::{Beside, Told};
 pub use parameters::{Tolerances, VoltageParameters};
 
-use super::parameters::Regular;
+use super::Regular;
 use super::tier::{BOUND, IncomeOfTime, StoreReading};
 use super::{Gap, HOUR, Task, Tier, Wake, real};
 use crate::scalar::Scalar;

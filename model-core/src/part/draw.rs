@@ -6,8 +6,8 @@
 
 use core::fmt::Debug;
 
-use crate::any::forward;
 use crate::bounds::{Bounds, ParameterError, bounded};
+use crate::forward;
 use crate::scalar::Scalar;
 
 /// Largest voltage of a storage in V.

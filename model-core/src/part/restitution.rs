@@ -2,8 +2,8 @@
 
 use core::marker::PhantomData;
 
-use crate::any::forward;
 use crate::bounds::{ParameterError, bounded};
+use crate::forward;
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 use crate::snapshot::Fingerprint;
 

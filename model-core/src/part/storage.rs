@@ -9,8 +9,8 @@
 use core::fmt::Debug;
 
 use super::draw::{AnyDraw, Draw, HIGHEST_VOLTAGE, Lockout};
-use crate::any::forward;
 use crate::bounds::{ParameterError, bounded};
+use crate::forward;
 use crate::scalar::Scalar;
 
 /// The storage behind a rectifier; the provided methods are those of a DC bus.

@@ -61,7 +61,6 @@ mod contact_law;
 mod energies;
 mod halves;
 mod harvester;
-mod identity;
 mod impact;
 mod mode_step;
 mod parameters;

@@ -40,20 +40,16 @@
 mod automaton;
 mod choices;
 mod circuit;
-mod electrical_port;
 mod flow;
 mod force_law;
-mod identity;
-mod mode;
 mod parameters;
-mod start;
+mod state;
 
 pub use crate::scene::coupled::{CHARGE, ModeFactor, POSITION as GAP, STATES, VELOCITY};
 pub use choices::{AnyChoices, Choices, Parts};
 pub use flow::Flow;
-pub use mode::Mode;
 pub use parameters::Parameters;
-pub use start::Start;
+pub use state::{Mode, Start};
 
 pub use crate::part::force_law::{AnyForceLaw, GapField, NoForce, TransferredCharge};
 pub use crate::part::stick_charge::{NeverSticks, StickCharge};

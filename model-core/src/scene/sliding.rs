@@ -51,23 +51,18 @@
 mod automaton;
 mod choices;
 mod circuit;
-mod electrical_port;
 mod flow;
 mod force_law;
-mod identity;
-mod lateral_force;
-mod mode;
 mod parameters;
-mod start;
+mod state;
 
 pub use crate::scene::coupled::{CHARGE, POSITION as DISPLACEMENT, STATES, VELOCITY};
 pub use choices::{AnyChoices, Choices, Parts};
 pub use flow::Flow;
-pub(crate) use lateral_force::LateralForce;
-pub use lateral_force::{AnyLateralForce, FieldLateralForce, NoLateralForce};
-pub use mode::Mode;
+pub(crate) use force_law::LateralForce;
+pub use force_law::{AnyLateralForce, FieldLateralForce, NoLateralForce};
 pub use parameters::Parameters;
-pub use start::Start;
+pub use state::{Mode, Start};
 
 pub use crate::part::force_law::{AnyForceLaw, GapField, NoForce, TransferredCharge};
 pub(crate) use crate::part::friction::Friction;

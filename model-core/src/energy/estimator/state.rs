@@ -1,12 +1,10 @@
 //! The state of a running estimator.
 
-use super::accumulator::EnergyAccumulator;
-use super::bias::Bias;
-use super::elapsed::ElapsedTime;
+use super::accumulator::{ElapsedTime, EnergyAccumulator};
 use super::response::Response;
 use super::{Estimator, Settings};
-use crate::excitation::Stream;
-use crate::scalar::Scalar;
+use crate::excitation::{LARGEST_SAMPLE, Stream};
+use crate::scalar::{Scalar, add_increment};
 use crate::scene::Harvester;
 use crate::snapshot::{Configuration, Fingerprint, Snapshot, snapshot_fields, snapshot_variants};
 
@@ -142,3 +140,32 @@ impl<S: Scalar, H: Harvester<S>> Configuration for Estimator<S, H> {
         fingerprint.numbers(self.settings.bias_seconds.as_slice());
     }
 }
+
+/// The mean of all samples at first, an exponentially weighted mean later: a one-pole high-pass of the samples.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Bias<S> {
+    /// The mean in m/s², and its rounding remainder: a sample changes the mean of a long time by less than a rounding.
+    mean: S,
+    remainder: S,
+    /// Number of samples in the mean, at most that of the time constant.
+    samples: u32,
+}
+
+impl<S: Scalar> Bias<S> {
+    /// Includes a sample in m/s² into a mean over `longest` samples.
+    pub(super) fn track(&mut self, sample: S, longest: u32) {
+        self.samples = self.samples.saturating_add(1).min(longest.max(1));
+        let increment = (sample - self.mean) / S::from_u32(self.samples);
+        (self.mean, self.remainder) = add_increment(self.mean, self.remainder, increment);
+    }
+
+    /// The mean in m/s².
+    pub(super) fn mean(&self) -> S {
+        self.mean
+    }
+}
+
+snapshot_fields!(impl [S: Scalar] Bias<S> { mean, remainder, samples } if |bias| {
+    let largest = S::from_f64(LARGEST_SAMPLE);
+    bias.mean.abs() <= largest && bias.remainder.abs() <= largest
+});

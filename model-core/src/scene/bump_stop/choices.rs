@@ -10,7 +10,7 @@ use crate::part::beam::TipMass;
 use crate::part::load::AnyLoad;
 use crate::part::rectifier::FullBridge;
 use crate::scalar::Scalar;
-use crate::scene::parts::parts;
+use crate::scene::parts;
 
 /// Whether the voltage acts back on the beam.
 #[diagnostic::on_unimplemented(

@@ -5,9 +5,10 @@
 //! which takes `2 C_p V_b`; the remaining charge passes the bridge at `V_b = V_dc + 2 V_D`, with two diodes
 //! conducting.
 
+use super::closed_form::Complex;
 use super::validity::ratio;
 use super::{BumpStop, ClosedForm, Parts, Reason, Validity};
-use crate::scalar::{Complex, Scalar, arcsine};
+use crate::scalar::{Scalar, arcsine};
 
 /// Largest `|Q_v|/C_p`, at resonance the figure of merit `k² Q`, for a nearly harmonic motion behind a bridge.
 const HARMONIC: f64 = 1.0;

@@ -3,7 +3,7 @@
 use super::circuit::Circuit;
 use super::flow::Flow;
 use super::force_law::ForceLaw;
-use super::mode::Mode;
+use super::state::Mode;
 use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
 use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, InputAt, Jump};

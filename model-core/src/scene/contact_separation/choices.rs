@@ -9,7 +9,7 @@ use crate::part::parasitic::{NoParasitic, Parasitic, ParasiticCapacitance};
 use crate::part::restitution::{AnyRestitution, Restitution};
 use crate::part::stick_charge::{StickCharge, Sticking};
 use crate::scalar::{Polynomial, Scalar};
-use crate::scene::parts::parts;
+use crate::scene::parts;
 
 /// The components of a contact-separation harvester, each by its type: firmware contains only the chosen ones.
 ///

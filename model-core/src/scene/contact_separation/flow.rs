@@ -2,7 +2,7 @@
 
 use super::circuit::Circuit;
 use super::force_law::ForceLaw;
-use super::mode::Mode;
+use super::state::Mode;
 use super::{CHARGE, ContactSeparation, GAP, Parts, STATES, Sticking, VELOCITY};
 use crate::integrate::{Base, BoundaryLayer, CircuitEquation, Point, Stage, System};
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
@@ -11,6 +11,7 @@ use crate::part::load::{Load, Resistance};
 use crate::part::parasitic::Parasitic;
 use crate::scalar::Scalar;
 use crate::scene::coupled::{self, Derivatives, ModeFactor, POSITION};
+use crate::scene::electrical_port::{ElectricalPort, PortVoltage, port_items};
 
 impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
     /// Attraction per mass, in m/s².
@@ -249,5 +250,40 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let least = S::from_f64(1e-3) * scene.initial_gap;
         let motion = [state[GAP] - scene.initial_gap, state[VELOCITY]];
         coupled::error_norm(motion, change, scene.time_scale, least, scene.per_tribo_charge)
+    }
+}
+
+impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for ContactSeparation<S, P> {
+    port_items!();
+
+    fn typical_voltage(&self) -> S {
+        self.field * self.tribo_charge * self.initial_gap
+    }
+
+    /// `V = (σ S g − Q (g + d_e)) / (ε0 S + C_p (g + d_e))`.
+    #[inline]
+    fn port_voltage(&self, _mode: Mode, gap: S, charge: S) -> PortVoltage<S> {
+        let circuit = self.circuit(gap, charge);
+        let sharing = self.field * circuit.sharing;
+        let by_gap = self.field * circuit.voltage_by_gap;
+        // ∂V/∂g = field (σ S (1 + c d_e) − Q) s², with s = 1/(1 + c (g + d_e)).
+        PortVoltage {
+            value: self.field * circuit.voltage,
+            by_position: by_gap,
+            by_charge: self.field * circuit.voltage_by_charge,
+            curvature: -S::from_f64(2.0) * circuit.parasitic * circuit.sharing * by_gap,
+            by_both: -sharing * circuit.sharing,
+            magnitude: sharing * self.tribo_charge.max(charge.abs()) * (gap + self.dielectric),
+        }
+    }
+
+    #[inline]
+    fn charge_is_frozen(&self, mode: Mode) -> bool {
+        P::Sticking::POSSIBLE && mode == Mode::Stick && !self.sticking.relaxes()
+    }
+
+    #[inline]
+    fn is_clear(&self, mode: Mode, state: &[S; STATES]) -> bool {
+        mode == Mode::Stick || state[GAP] > self.release_margin()
     }
 }

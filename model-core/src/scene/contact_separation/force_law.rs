@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 
 use super::circuit::Circuit;
-use crate::any::forward;
+use crate::forward;
 use crate::part::force_law::{AnyForceLaw, GapField, NoForce, TransferredCharge};
 use crate::scalar::Scalar;
 

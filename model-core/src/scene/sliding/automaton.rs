@@ -1,7 +1,7 @@
 //! Modes, guards and jumps: reversal, stick and release, and the corner of the overlap.
 
 use super::flow::Flow;
-use super::mode::Mode;
+use super::state::Mode;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
 use crate::excitation::Excitation;
 use crate::hybrid::{Automaton, Guard, InputAt, Jump};

@@ -3,13 +3,13 @@
 use core::fmt::Debug;
 
 use super::force_law::ForceLaw;
-use super::lateral_force::{AnyLateralForce, LateralForce, NoLateralForce};
+use super::force_law::{AnyLateralForce, LateralForce, NoLateralForce};
 use crate::part::force_law::{AnyForceLaw, GapField};
 use crate::part::friction::{Friction, PatchFriction};
 use crate::part::load::{AnyLoad, Load};
 use crate::part::stick_charge::{StickCharge, Sticking};
 use crate::scalar::Scalar;
-use crate::scene::parts::parts;
+use crate::scene::parts;
 
 /// The components of a sliding harvester, each by its type: firmware contains only the chosen ones.
 ///

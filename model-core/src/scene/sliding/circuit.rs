@@ -1,8 +1,8 @@
 //! The circuit and the forces at a displacement and a charge.
 
 use super::force_law::ForceLaw;
-use super::lateral_force::LateralForce;
-use super::mode::Mode;
+use super::force_law::LateralForce;
+use super::state::Mode;
 use super::{CHARGE, Friction, Parts, STATES, Sliding, Sticking};
 use crate::part::disc_overlap::DiscOverlap;
 use crate::part::load::{Load, Resistance};

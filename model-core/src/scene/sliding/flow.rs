@@ -2,8 +2,8 @@
 
 use super::circuit::Circuit;
 use super::force_law::ForceLaw;
-use super::lateral_force::LateralForce;
-use super::mode::Mode;
+use super::force_law::LateralForce;
+use super::state::Mode;
 use super::{CHARGE, DISPLACEMENT, Friction, Parts, STATES, Sliding, Sticking, VELOCITY};
 use crate::integrate::{Base, BoundaryLayer, CircuitEquation, Point, Stage, System};
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
@@ -12,6 +12,7 @@ use crate::part::disc_overlap::DiscOverlap;
 use crate::part::load::{Load, Resistance};
 use crate::scalar::Scalar;
 use crate::scene::coupled::{self, Derivatives, ModeFactor, POSITION};
+use crate::scene::electrical_port::{ElectricalPort, PortVoltage, port_items};
 
 /// The flow of one mode.
 #[derive(Debug, Clone, Copy)]
@@ -271,5 +272,45 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let least = S::from_f64(1e-6) * scene.diameter;
         let motion = [state[DISPLACEMENT], state[VELOCITY]];
         coupled::error_norm(motion, change, scene.time_scale, least, scene.per_tribo_charge)
+    }
+}
+
+impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for Sliding<S, P> {
+    port_items!();
+
+    fn typical_voltage(&self) -> S {
+        self.field * self.surface.tribo_charge
+    }
+
+    /// `V = (σ S2 − q) d / (ε0 ε_r S1)`.
+    #[inline]
+    fn port_voltage(&self, mode: Mode, displacement: S, charge: S) -> PortVoltage<S> {
+        let ahead = mode.is_ahead(displacement);
+        let circuit = self.circuit(ahead, displacement, charge);
+        let slope = self.active_by_displacement(ahead, displacement);
+        // With s2 = 1 − s1 the voltage is field ((t − q)/s1 − t), so the derivative of its first part is that part
+        // times −s1'/s1.
+        let per_active = self.field * circuit.per_active;
+        let growth = -slope * circuit.per_active;
+        let first = per_active * (self.surface.tribo_charge - charge);
+        let bend = self.active_curvature(ahead, displacement) * circuit.per_active;
+        PortVoltage {
+            value: self.field * circuit.voltage,
+            by_position: first * growth,
+            by_charge: -per_active,
+            curvature: first * (S::from_f64(2.0) * growth * growth - bend),
+            by_both: -per_active * growth,
+            magnitude: per_active * self.surface.tribo_charge.max(charge.abs()),
+        }
+    }
+
+    #[inline]
+    fn charge_is_frozen(&self, mode: Mode) -> bool {
+        Self::STICKS && matches!(mode, Mode::Stick) && !self.sticking.relaxes()
+    }
+
+    #[inline]
+    fn is_clear(&self, mode: Mode, state: &[S; STATES]) -> bool {
+        matches!(mode, Mode::Stick) || state[VELOCITY].abs() > self.velocity_margin
     }
 }

@@ -1,8 +1,8 @@
-//! The electrostatic force in addition to the slider's weight.
+//! The electrostatic force in addition to the slider's weight, and its part along the plane of sliding.
 
 use core::fmt::Debug;
 
-use crate::any::forward;
+use crate::forward;
 use crate::part::force_law::{AnyForceLaw, GapField, NoForce, TransferredCharge};
 use crate::scalar::Scalar;
 
@@ -60,5 +60,60 @@ impl<S: Scalar> ForceLaw<S> for AnyForceLaw {
     forward! {
         match { Self::TransferredCharge => TransferredCharge, Self::GapField => GapField, Self::None => NoForce }
         #[inline] fn acting_charge(&self, transferred: S, surface: &Surface<S>) -> [S; 2];
+    }
+}
+
+/// Whether the field also exerts a force along the plane: `F_lat = −∂W/∂x` at constant charge, with `W = (q − σ S2)²
+/// d / (2 ε0 ε_r S1)` the energy of the overlap capacitor.
+///
+/// The paper omits it, because it is about 10⁻⁴ of the elastic force. The energy delivered to the load then has no
+/// source; with the lateral force the total energy ledger closes.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not say whether the field pulls along the plane",
+    note = "a lateral force is `NoLateralForce`, `FieldLateralForce` or an `AnyLateralForce`"
+)]
+pub(crate) trait LateralForce: Copy + Debug + PartialEq {
+    /// Whether the lateral force acts.
+    fn acts(&self) -> bool;
+}
+
+/// No lateral force: the paper's model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct NoLateralForce;
+
+impl LateralForce for NoLateralForce {
+    #[inline]
+    fn acts(&self) -> bool {
+        false
+    }
+}
+
+/// The lateral force of the field: energy is conserved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FieldLateralForce;
+
+impl LateralForce for FieldLateralForce {
+    #[inline]
+    fn acts(&self) -> bool {
+        true
+    }
+}
+
+/// A lateral force or none, chosen at run time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AnyLateralForce {
+    /// As [`NoLateralForce`].
+    None,
+    /// As [`FieldLateralForce`].
+    Field,
+}
+
+impl LateralForce for AnyLateralForce {
+    #[inline]
+    fn acts(&self) -> bool {
+        *self == Self::Field
     }
 }

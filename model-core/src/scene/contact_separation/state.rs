@@ -1,13 +1,27 @@
-//! The start of a run.
+//! The modes of the hybrid automaton, the start of a run, the fingerprint, and the mode as a byte.
 
-use super::mode::Mode;
+use super::force_law::ForceLaw;
 use super::{CHARGE, ContactSeparation, Parts, STATES, Sticking};
 use crate::bounds::{ParameterError, bounded};
 use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::hybrid::HybridState;
 use crate::integrate::StepControl;
+use crate::part::load::Load;
+use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
+use crate::scene::Scene;
+use crate::snapshot::{Fingerprint, snapshot_variants};
+
+/// The modes of motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Mode {
+    /// The mass moves freely above the dielectric.
+    Free,
+    /// The mass sticks to the dielectric: gap and velocity are zero.
+    Stick,
+}
 
 /// Initial values; a `None` is at rest at the initial gap, electrically relaxed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -73,3 +87,42 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         Ok(if at_contact && !held { state.disarmed() } else { state })
     }
 }
+
+impl<S: Scalar, P: Parts<S>, const POWERS: usize> Scene<S, STATES, POWERS> for ContactSeparation<S, P> {
+    type Start = Start<S>;
+
+    fn start<E: Excitation<S>, C: StepControl<S>>(
+        &self,
+        start: &Start<S>,
+        excitation: &E,
+        control: &C,
+    ) -> Result<HybridState<S, Mode, STATES, POWERS>, ParameterError<S>> {
+        self.start(start, excitation, control)
+    }
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.name("contact-separation");
+        // Every other coefficient follows from these.
+        fingerprint.numbers(&[
+            self.mass,
+            self.stiffness,
+            self.initial_gap,
+            self.damping_per_mass,
+            self.dielectric,
+            self.permittivity_area,
+            self.tribo_charge,
+            self.parasitic,
+        ]);
+        self.load.resistance().identify(fingerprint);
+        // A law is identified by its values.
+        for charge in [S::ZERO, S::ONE] {
+            let circuit = self.circuit(self.initial_gap, charge);
+            fingerprint.numbers(&[self.force_law.attraction(&circuit, self.tribo_charge)]);
+        }
+        self.restitution.identify(fingerprint);
+        fingerprint.count(u32::from(P::Sticking::POSSIBLE));
+        fingerprint.count(u32::from(self.sticking.relaxes()));
+    }
+}
+
+snapshot_variants!(Mode { Free, Stick });
