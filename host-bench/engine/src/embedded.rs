@@ -4,8 +4,6 @@
 //! types; precision and elementary functions are type parameters and dispatched below.
 
 mod auto;
-mod blocks;
-mod bridge;
 mod bump_stop;
 mod contact_separation;
 mod excitation;

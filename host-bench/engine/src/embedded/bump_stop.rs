@@ -1,6 +1,5 @@
 //! A bump-stop run on the embedded core.
 
-mod held;
 mod observed;
 
 use std::f64::consts::TAU;
@@ -18,20 +17,16 @@ use model_core::scene::bump_stop::{
     Parts, Resistive, Restitution, Start, StateOf, Stepper, Stop, TipMass,
 };
 
-pub(super) use self::held::{held, identify};
-pub(super) use self::observed::Clamp;
-use self::observed::MOST_MODES;
-pub use self::observed::{
-    ContactInterval, DeflectedShape, ShapePoint, chattering_phases, contact_intervals, deflected_shapes,
-};
-use super::bridge::bridge;
-use super::excitation::{HostExcitation, Setting};
-use super::limits::{Gauge, limits};
+use super::excitation::{HostExcitation, Setting, bridge};
+use super::limits::{Clamp, Gauge, MOST_MODES, limits};
 use super::report::{Found, Report, dense, dense_voltage};
 use super::run::{Run, refuse_parameter, refuse_start};
 use harvester_scene::method::{Failure, Options};
 use harvester_scene::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, with_store};
 use harvester_scene::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
+pub use observed::{
+    ContactInterval, DeflectedShape, ShapePoint, chattering_phases, contact_intervals, deflected_shapes,
+};
 
 /// Step near contact where none is given, in s, unless the excitation needs a shorter one.
 pub const DEFAULT_SHORT_STEP_S: f64 = 1e-6;

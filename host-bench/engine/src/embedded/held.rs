@@ -3,6 +3,8 @@
 //! The amplitude changes at a zero of the sine, so the acceleration is continuous. The state goes on, so a series of
 //! rising amplitudes follows one steady motion until it ends, and a falling one follows another.
 
+mod beam;
+
 use model_core::clock::Instant;
 use model_core::energy::{RunMeter, RunReport};
 use model_core::excitation::{Excitation, Sine};
@@ -12,9 +14,8 @@ use model_core::scalar::{Polynomial, Scalar};
 use model_core::scene::{Harvester, Scene as CoreScene, rectified};
 use model_core::snapshot::Fingerprint;
 
-use super::bridge::bridge;
 use super::bump_stop;
-use super::excitation::{HostExcitation, Setting, with_setting};
+use super::excitation::{HostExcitation, Setting, bridge, with_setting};
 use super::run::{BUDGET, refuse_parameter};
 use super::triboelectric::{STATES, Triboelectric, behind_bridge, prepared};
 use crate::steady_state::{Coordinates, ForcedSystem, MOST_ATTEMPTS, Spent, Total, Verdict, given_up};
@@ -104,7 +105,7 @@ pub fn with_held<R>(
     with_setting::<f64, Polynomial, _>(&scene, options, |setting| match &scene.model {
         Model::ContactSeparation(model) => triboelectric(setting, model, frequency_hz, &mut call),
         Model::Sliding(model) => triboelectric(setting, model, frequency_hz, &mut call),
-        Model::BumpStop(model) => bump_stop::held(setting, model, frequency_hz, &mut call),
+        Model::BumpStop(model) => beam::held(setting, model, frequency_hz, &mut call),
     })?;
     found.unwrap_or_else(|| unreachable!("a harvester that started calls once"))
 }
@@ -116,7 +117,7 @@ pub fn fingerprint(scene: &Scene) -> Result<u32, Failure> {
     match &scene.model {
         Model::ContactSeparation(model) => identify(scene, model, &mut fingerprint)?,
         Model::Sliding(model) => identify(scene, model, &mut fingerprint)?,
-        Model::BumpStop(model) => bump_stop::identify(scene, model, &mut fingerprint)?,
+        Model::BumpStop(model) => beam::identify(scene, model, &mut fingerprint)?,
     }
     if let Some(bridge) = bridge::<f32>(scene.load) {
         fingerprint.numbers(&[bridge.diode_drop]);

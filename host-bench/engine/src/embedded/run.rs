@@ -10,13 +10,10 @@ use model_core::observer::PowerIndex;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
-use super::auto;
-use super::blocks::Blocks;
-use super::bump_stop::Clamp;
 use super::excitation::Setting;
-use super::limits::Compared;
-use super::report::{Found, Recorder, Report};
-use super::{DEFAULT_TOLERANCE, precision_name};
+use super::limits::{Clamp, Compared};
+use super::report::{Blocks, Found, Recorder, Report};
+use super::{DEFAULT_TOLERANCE, auto, precision_name};
 use crate::steady_state::{Total, given_up};
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
 use harvester_scene::outcome::{CreatedEnergy, EnergyFlow, Margins, Outcome, Recording, StoreOutcome};
@@ -107,6 +104,19 @@ pub(super) fn step_control<S: Scalar>(
 pub(super) fn remainder<S: Scalar>(ledger: &Ledger<S>) -> f64 {
     let Residual { mechanical, electrical, .. } = ledger.residual();
     mechanical.abs().max(electrical.abs()).to_f64()
+}
+
+/// Where the energy of a run went.
+fn energy_flow<S: Scalar>(ledger: &Ledger<S>) -> EnergyFlow {
+    let spent = |power| ledger.integrals().integral(power).to_f64();
+    EnergyFlow {
+        base_j: spent(PowerIndex::Base),
+        dissipated_j: spent(PowerIndex::Dissipation),
+        contact_j: ledger.lost_in_contact().to_f64(),
+        delivered_j: spent(PowerIndex::Load),
+        diodes_j: spent(PowerIndex::Diodes),
+        created_j: spent(PowerIndex::FieldWork) - spent(PowerIndex::ElectrostaticWork),
+    }
 }
 
 /// Attempts per call, a few hundredths of a second: the progress is reported after each.
@@ -266,7 +276,6 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             clamp: meters.clamp.as_ref(),
         };
         let ledger = meters.whole.as_ref().map(|(ledger, _)| ledger);
-        let spent = |power| ledger.map(|ledger| ledger.integrals().integral(power).to_f64());
         Outcome {
             scene: scene.name(),
             method: self.method.to_owned(),
@@ -291,27 +300,8 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             events: total.events,
             processor_s,
             particular: report.particular(harvester, &found, state),
-            store: harvester.outputs(state).storage.map(|storage| StoreOutcome {
-                store_voltage_v: number(storage.voltage),
-                mean_store_current_a: ledger
-                    .and_then(|_| number(window.integrals().mean(PowerIndex::CurrentMagnitude))),
-                stored_energy_j: storage.capacitance.is_finite().then(|| storage.energy().to_f64()),
-                diode_loss_j: spent(PowerIndex::Diodes),
-                leaked_energy_j: spent(PowerIndex::Leakage),
-                drawn_energy_j: spent(PowerIndex::Draw),
-                cycles: meters.blocks.as_ref().and_then(Blocks::cycles),
-            }),
-            flow: ledger.map(|ledger| {
-                let spent = |power| ledger.integrals().integral(power).to_f64();
-                EnergyFlow {
-                    base_j: spent(PowerIndex::Base),
-                    dissipated_j: spent(PowerIndex::Dissipation),
-                    contact_j: ledger.lost_in_contact().to_f64(),
-                    delivered_j: spent(PowerIndex::Load),
-                    diodes_j: spent(PowerIndex::Diodes),
-                    created_j: spent(PowerIndex::FieldWork) - spent(PowerIndex::ElectrostaticWork),
-                }
-            }),
+            store: self.store(state, meters),
+            flow: ledger.map(energy_flow),
             margins: meters.margins.as_ref().map_or_else(Margins::default, Compared::margins),
             block_energies_j: meters
                 .blocks
@@ -319,6 +309,23 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
                 .map_or_else(Vec::new, |blocks| blocks.energies_j.to_vec()),
             ..Outcome::default()
         }
+    }
+
+    /// What the storage behind a bridge holds at the end, and what it lost.
+    fn store(&self, state: &H::State, meters: &Meters<'_, S>) -> Option<StoreOutcome> {
+        let storage = self.harvester.outputs(state).storage?;
+        let ledger = meters.whole.as_ref().map(|(ledger, _)| ledger);
+        let spent = |power| ledger.map(|ledger| ledger.integrals().integral(power).to_f64());
+        let current = meters.window.integrals().mean(PowerIndex::CurrentMagnitude);
+        Some(StoreOutcome {
+            store_voltage_v: Some(storage.voltage.to_f64()),
+            mean_store_current_a: ledger.map(|_| current.to_f64()),
+            stored_energy_j: storage.capacitance.is_finite().then(|| storage.energy().to_f64()),
+            diode_loss_j: spent(PowerIndex::Diodes),
+            leaked_energy_j: spent(PowerIndex::Leakage),
+            drawn_energy_j: spent(PowerIndex::Draw),
+            cycles: meters.blocks.as_ref().and_then(Blocks::cycles),
+        })
     }
 
     /// The end of a run in a step that cannot be taken, with the state.

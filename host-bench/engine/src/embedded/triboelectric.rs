@@ -11,8 +11,7 @@ use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::rectified::{ElectricalPort, Rectified};
 use model_core::scene::{Harvester, Scene as CoreScene, Simulation};
 
-use super::bridge::bridge;
-use super::excitation::Setting;
+use super::excitation::{Setting, bridge};
 use super::limits::Gauge;
 use super::method_name;
 use super::report::{Found, Report, dense, dense_voltage};

@@ -8,8 +8,8 @@ use nalgebra::Complex;
 
 use harvester_scene::method::Failure;
 
-use super::newton::{Linearisation, Map, NotFound};
 use super::period_map::{Coordinates, ForcedSystem, Spent};
+use super::{Linearisation, Map, NotFound};
 
 /// Change of the state, in units of the size of the motion, below which an orbit counts as found.
 const ACCURACY: f64 = 1e-7;

@@ -1,22 +1,19 @@
-//! Observers of a bump-stop scene: the contacts one by one and the shape of the beam at some instants, of runs in double
-//! precision, and the bending of the beam at its clamp along a run.
+//! Runs of a bump-stop scene for an observer of the host, in double precision.
 
 use model_core::clock::Instant;
 use model_core::observer::{AcceptedStep, Event, Observer};
 use model_core::part::beam::{BeamMode, Shape};
-use model_core::scalar::{Polynomial, Scalar};
+use model_core::scalar::Polynomial;
 use model_core::scene::Harvester;
-use model_core::scene::bump_stop::{AnyChoices, Circuit, ClampMeter, Fibre, Stepper};
+use model_core::scene::bump_stop::{AnyChoices, Circuit, Stepper};
 
+use super::super::excitation::with_setting;
 use super::{Report, bridge, parameters, prepared, refuse_start, refuse_step, resistance};
-use crate::embedded::excitation::{HostExcitation, with_setting};
 use harvester_scene::method::{Failure, Options};
-use harvester_scene::outcome::ClampOutcome;
-use harvester_scene::rainflow::Rainflow;
 use harvester_scene::scene_file::{BumpStop, Model, Scene};
 
 /// The harvester of a bump-stop scene.
-fn model_of(scene: &Scene) -> Result<&BumpStop, Failure> {
+pub(super) fn model_of(scene: &Scene) -> Result<&BumpStop, Failure> {
     match &scene.model {
         Model::BumpStop(model) => Ok(model),
         Model::ContactSeparation(_) | Model::Sliding(_) => {
@@ -26,7 +23,7 @@ fn model_of(scene: &Scene) -> Result<&BumpStop, Failure> {
 }
 
 /// Runs the scene from its start until `until` in s, or until the observer has `enough`.
-fn observed<O: Observer<f64>>(
+pub(super) fn observed<O: Observer<f64>>(
     scene: &Scene,
     options: &Options,
     until: f64,
@@ -66,84 +63,6 @@ fn with_load<L: Circuit<f64>, O: Observer<f64>>(
         }
         Ok(())
     })
-}
-
-/// An interval of the run in which beam and stop touch, in s; of no length for a rigid impact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactInterval {
-    /// Time in s at which the contact begins.
-    pub begins_s: f64,
-    /// Time in s at which it ends.
-    pub ends_s: f64,
-}
-
-impl ContactInterval {
-    /// Its length in s.
-    #[must_use]
-    pub fn length_s(&self) -> f64 {
-        self.ends_s - self.begins_s
-    }
-}
-
-/// Longest pause within a chattering phase, in periods of the base.
-const PAUSE: f64 = 0.125;
-
-/// The chattering phases of some contacts in order of time: contacts less than an eighth of the period in s apart.
-pub fn chattering_phases(
-    contacts: &[ContactInterval],
-    period_s: f64,
-) -> impl Iterator<Item = &[ContactInterval]> {
-    contacts.chunk_by(move |one, next| next.begins_s - one.ends_s < PAUSE * period_s)
-}
-
-/// The contacts of a bump-stop scene that begin in its measuring window, in order of time, on the embedded core in
-/// double precision.
-pub fn contact_intervals(scene: &Scene, options: &Options) -> Result<Vec<ContactInterval>, Failure> {
-    let mut contacts = Contacts { from_s: scene.run.settle_s, closed: false, found: Vec::new() };
-    observed(scene, options, scene.run.duration_s, &mut contacts, |_| false)?;
-    Ok(contacts.found)
-}
-
-/// Collects the contacts that begin after an instant.
-struct Contacts {
-    from_s: f64,
-    /// Whether the last step ended in contact.
-    closed: bool,
-    found: Vec<ContactInterval>,
-}
-
-impl Contacts {
-    /// A contact from one instant to another, both in s; `continues` the last one.
-    fn add(&mut self, begins_s: f64, ends_s: f64, continues: bool) {
-        match self.found.last_mut() {
-            Some(last) if continues => last.ends_s = ends_s,
-            _ if begins_s >= self.from_s && !continues => {
-                self.found.push(ContactInterval { begins_s, ends_s })
-            }
-            _ => {}
-        }
-    }
-}
-
-impl Observer<f64> for Contacts {
-    fn step(&mut self, step: &AcceptedStep<'_, f64>) {
-        let touches = step.contact.force > 0.0;
-        if touches {
-            let from_s = step.from.seconds::<f64>();
-            let at = |fraction: f64| from_s + fraction * step.step;
-            self.add(at(step.contact.begins), at(step.contact.ends), self.closed);
-        }
-        self.closed = touches && step.end.in_contact;
-    }
-
-    fn event(&mut self, event: &Event<'_, f64>) {
-        if event.impact_speed.is_some() {
-            let at = event.at.seconds::<f64>();
-            self.add(at, at, false);
-            // A contact that begins with the impact is the same contact.
-            self.closed = true;
-        }
-    }
 }
 
 /// The beam at one place.
@@ -235,49 +154,80 @@ impl Observer<f64> for Shapes<'_> {
     }
 }
 
-/// Most modes of the beam.
-pub(crate) const MOST_MODES: usize = 20;
-
-/// The core's meter of the curvature, and the cycles of the curvature.
-pub(crate) struct Clamp<'a, S: Scalar> {
-    meter: ClampMeter<S, HostExcitation<'a, S>, MOST_MODES>,
-    cycles: Rainflow,
-    /// Length of the window so far.
-    seconds: f64,
+/// An interval of the run in which beam and stop touch, in s; of no length for a rigid impact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactInterval {
+    /// Time in s at which the contact begins.
+    pub begins_s: f64,
+    /// Time in s at which it ends.
+    pub ends_s: f64,
 }
 
-impl<'a, S: Scalar> Clamp<'a, S> {
-    pub(crate) fn new(meter: ClampMeter<S, HostExcitation<'a, S>, MOST_MODES>) -> Self {
-        Self { meter, cycles: Rainflow::default(), seconds: 0.0 }
-    }
-
-    /// Largest strain of each outer fibre, the substrate's first, after a further step.
-    pub(crate) fn strains(&mut self, step: Option<&AcceptedStep<'_, S>>) -> [f64; 2] {
-        step.into_iter().for_each(|step| self.meter.step(step));
-        let (bending, peak) = (self.meter.bending(), self.meter.curvature().magnitude());
-        [bending.substrate, bending.piezo].map(|fibre| fibre.strain(peak).to_f64())
-    }
-
-    pub(crate) fn outcome(&self) -> ClampOutcome {
-        let bent = |fibre: &Fibre<S>| {
-            let (distance, young_modulus) = (fibre.distance.to_f64(), fibre.young_modulus.to_f64());
-            let fibre = Fibre { distance, young_modulus };
-            move |curvature: f64| [fibre.strain(curvature), fibre.stress(curvature)]
-        };
-        let bending = self.meter.bending();
-        let peak = self.meter.curvature().magnitude().to_f64();
-        ClampOutcome::new(
-            [peak, self.meter.rms_curvature().to_f64()],
-            (&self.cycles, self.seconds),
-            [bent(&bending.substrate), bent(&bending.piezo)],
-        )
+impl ContactInterval {
+    /// Its length in s.
+    #[must_use]
+    pub fn length_s(&self) -> f64 {
+        self.ends_s - self.begins_s
     }
 }
 
-impl<S: Scalar> Observer<S> for Clamp<'_, S> {
-    fn step(&mut self, step: &AcceptedStep<'_, S>) {
-        self.meter.step(step);
-        self.meter.last().into_iter().for_each(|curvature| self.cycles.push(curvature.to_f64()));
-        self.seconds += step.step.to_f64();
+/// Longest pause within a chattering phase, in periods of the base.
+const PAUSE: f64 = 0.125;
+
+/// The chattering phases of some contacts in order of time: contacts less than an eighth of the period in s apart.
+pub fn chattering_phases(
+    contacts: &[ContactInterval],
+    period_s: f64,
+) -> impl Iterator<Item = &[ContactInterval]> {
+    contacts.chunk_by(move |one, next| next.begins_s - one.ends_s < PAUSE * period_s)
+}
+
+/// The contacts of a bump-stop scene that begin in its measuring window, in order of time, on the embedded core in
+/// double precision.
+pub fn contact_intervals(scene: &Scene, options: &Options) -> Result<Vec<ContactInterval>, Failure> {
+    let mut contacts = Contacts { from_s: scene.run.settle_s, closed: false, found: Vec::new() };
+    observed(scene, options, scene.run.duration_s, &mut contacts, |_| false)?;
+    Ok(contacts.found)
+}
+
+/// Collects the contacts that begin after an instant.
+struct Contacts {
+    from_s: f64,
+    /// Whether the last step ended in contact.
+    closed: bool,
+    found: Vec<ContactInterval>,
+}
+
+impl Contacts {
+    /// A contact from one instant to another, both in s; `continues` the last one.
+    fn add(&mut self, begins_s: f64, ends_s: f64, continues: bool) {
+        match self.found.last_mut() {
+            Some(last) if continues => last.ends_s = ends_s,
+            _ if begins_s >= self.from_s && !continues => {
+                self.found.push(ContactInterval { begins_s, ends_s })
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Observer<f64> for Contacts {
+    fn step(&mut self, step: &AcceptedStep<'_, f64>) {
+        let touches = step.contact.force > 0.0;
+        if touches {
+            let from_s = step.from.seconds::<f64>();
+            let at = |fraction: f64| from_s + fraction * step.step;
+            self.add(at(step.contact.begins), at(step.contact.ends), self.closed);
+        }
+        self.closed = touches && step.end.in_contact;
+    }
+
+    fn event(&mut self, event: &Event<'_, f64>) {
+        if event.impact_speed.is_some() {
+            let at = event.at.seconds::<f64>();
+            self.add(at, at, false);
+            // A contact that begins with the impact is the same contact.
+            self.closed = true;
+        }
     }
 }

@@ -5,9 +5,8 @@ use std::f64::consts::TAU;
 use model_core::scene::Harvester as _;
 use model_core::scene::bump_stop::{AnyChoices, BumpStop as Harvester, Circuit, Parts, StateOf, Stepper};
 
-use super::super::bridge::bridge;
 use super::super::bump_stop::{METHOD, Prepared, modes, prepared, refuse_step, resistance};
-use super::super::excitation::Setting;
+use super::super::excitation::{Setting, bridge};
 use super::super::run::{Run, refuse_start};
 use super::{Kind, Memory, follow, remembered, steady};
 use crate::steady_state::{Coordinates, Orbit, Response, Spent};

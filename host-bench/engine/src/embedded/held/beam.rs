@@ -4,11 +4,10 @@ use model_core::scene::Harvester as _;
 use model_core::scene::bump_stop::{Circuit, Stepper};
 use model_core::snapshot::Fingerprint;
 
-use super::super::bridge::bridge;
-use super::super::excitation::Setting;
-use super::super::held::{Held, NoShooting, Sweep};
+use super::super::bump_stop::{modes, parameters, prepared, refuse_step, resistance};
+use super::super::excitation::{Setting, bridge};
 use super::super::run::{refuse_parameter, refuse_start};
-use super::{modes, parameters, prepared, refuse_step, resistance};
+use super::{Held, NoShooting, Sweep};
 use harvester_scene::method::Failure;
 use harvester_scene::scene_file::{BumpStop, Scene};
 
@@ -16,7 +15,7 @@ use harvester_scene::scene_file::{BumpStop, Scene};
 type With<'a> = &'a mut dyn FnMut(&mut dyn Held) -> Result<(), Failure>;
 
 /// Calls `with` with the harvester, with its resistor or behind its bridge.
-pub(in crate::embedded) fn held(
+pub(super) fn held(
     setting: Setting<'_, f64>,
     model: &BumpStop,
     frequency_hz: f64,
@@ -58,7 +57,7 @@ fn with_modes<L: Circuit<f64>, const B: usize, const R: usize>(
 }
 
 /// Includes the harvester in `f32` with the modes of its scene, behind a bridge with open terminals.
-pub(in crate::embedded) fn identify(
+pub(super) fn identify(
     scene: &Scene,
     model: &BumpStop,
     fingerprint: &mut Fingerprint,
