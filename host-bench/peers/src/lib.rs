@@ -6,9 +6,7 @@
 //! with the delivered energy as a further state; impacts, reversals, the corner of the overlap, the release from stick
 //! and the switching of a bridge are located on their dense output.
 
-mod case;
 mod embedded;
-mod harvester;
 mod load;
 mod march;
 mod method;
@@ -16,10 +14,10 @@ mod peer;
 mod scene;
 mod solver;
 
-pub use self::case::{CASES, Case};
 pub use self::method::Method;
 use cpu_time::ThreadTime;
 use harvester_scene::scene_file::{Model, Scene};
+pub use method::{CASES, Case};
 
 /// Why a run did not reach its end, or did not begin.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,8 +7,8 @@
 
 use harvester_scene::scene_file::{Draw, RectifiedStore};
 
+use super::scene::{Base, GUARDS, Harvester, Mode, NEVER};
 use crate::Stop;
-use crate::harvester::{Base, GUARDS, Harvester, Mode, NEVER};
 
 /// A harvester at its terminals.
 #[derive(Debug, Clone, Copy)]

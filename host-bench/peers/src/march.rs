@@ -1,6 +1,6 @@
 //! The march of a peer: steps of its integrator, events on its dense output, jumps.
 
-use crate::harvester::{GUARDS, Harvester, System};
+use super::scene::{GUARDS, Harvester, System};
 use crate::solver::Solver;
 use crate::{Meter, Stop};
 

@@ -6,15 +6,14 @@ use differential_equations::methods::ExplicitRungeKutta;
 use diffsol::NalgebraLU;
 use harvester_scene::scene_file::{Draw, Excitation, Load, Model, RectifiedStore, Scene, StickCharge};
 
-use crate::harvester::{Base, Harvester, System};
+use super::scene::{Base, Harvester, System};
+use super::solver::{Explicit, Implicit, problem, stop};
 use crate::load::{Transducer, WithBridge, WithResistor};
 use crate::march::March;
 use crate::method::Method;
 use crate::scene::bump_stop::BumpStop;
 use crate::scene::contact_separation::ContactSeparation;
 use crate::scene::sliding::Sliding;
-use crate::solver::explicit::Explicit;
-use crate::solver::implicit::{Implicit, problem, stop};
 use crate::{Meter, Stop};
 
 /// Steps after which a run is given up.

@@ -3,7 +3,7 @@
 use harvester_reference::ReferenceOptions;
 use harvester_scene::scene_file::{Override, Scene, read, shipped};
 
-use crate::harvester::{Base, Harvester, Mode};
+use super::scene::{Base, Harvester, Mode};
 use crate::load::{Transducer, WithBridge, WithResistor};
 use crate::scene::bump_stop::BumpStop;
 use crate::scene::contact_separation::ContactSeparation;

@@ -6,7 +6,6 @@
 //! crossings included, and an event is located to 2⁻⁴⁰ of a step. The integrals are exact too, as quadratic
 //! forms.
 
-mod circuit;
 mod meter;
 mod propagator;
 mod regime;
@@ -16,17 +15,17 @@ use std::cell::OnceCell;
 
 use cpu_time::ThreadTime;
 
-use self::circuit::Circuit;
 use self::meter::Meter;
 use self::propagator::{DIGITS, WHOLE};
 use self::regime::{Change, Guard, Regime};
 use self::system::{Row, System, value};
-use super::options::{ReferenceOptions, StepFailure};
 use super::schedule::{Schedule, Stretch};
+use super::{ReferenceOptions, StepFailure};
 use harvester_scene::base_motion::Base;
 use harvester_scene::outcome::Outcome;
 use harvester_scene::progress;
 use harvester_scene::scene_file::{BumpStop, Draw, Scene};
+use regime::Circuit;
 
 /// Grid steps in the shortest period.
 const STEPS_PER_PERIOD: f64 = 10.0;

@@ -4,9 +4,7 @@ mod bridge;
 mod flow;
 mod harvester;
 mod meter;
-mod motion;
 mod stick;
-mod storage_in_stick;
 
 use cpu_time::ThreadTime;
 
@@ -16,11 +14,11 @@ pub(crate) use self::harvester::{
     CircuitKind, Counts, Dense, Guards, Harvester, Jump, LoadCircuit, Sample, Scales, VACUUM_PERMITTIVITY,
 };
 use self::meter::Meter;
-pub(crate) use self::motion::{Branch, Mode, Motion};
 pub(crate) use self::stick::Stick;
-use super::options::{ReferenceOptions, StepFailure};
+use super::ledger::Effort;
 use super::schedule::{Schedule, Stretch};
-use super::totals::Effort;
+use super::{ReferenceOptions, StepFailure};
+pub(crate) use flow::{Branch, Mode, Motion};
 use harvester_scene::base_motion::Base;
 use harvester_scene::outcome::Outcome;
 use harvester_scene::progress;

@@ -6,8 +6,8 @@
 use harvester_scene::scene_file::modes::BumpStopModes;
 use harvester_scene::scene_file::{BumpStop as Model, Coupling};
 
+use super::{Base, NEVER};
 use crate::Stop;
-use crate::harvester::{Base, NEVER};
 use crate::load::{After, Port, Transducer};
 
 /// A mode of beam or rod, with a modal mass of one.

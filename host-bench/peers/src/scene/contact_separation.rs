@@ -6,9 +6,8 @@
 
 use harvester_scene::scene_file::{ContactSeparationParameters, ForceLaw, Restitution};
 
-use super::VACUUM_PERMITTIVITY;
+use super::{Base, NEVER, VACUUM_PERMITTIVITY};
 use crate::Stop;
-use crate::harvester::{Base, NEVER};
 use crate::load::{After, Port, Transducer};
 
 #[derive(Debug, Clone, Copy)]

@@ -9,9 +9,8 @@ use std::f64::consts::PI;
 use harvester_scene::scene_file::modes::Cantilever;
 use harvester_scene::scene_file::{ForceLaw, GRAVITY, SlidingParameters};
 
-use super::VACUUM_PERMITTIVITY;
+use super::{Base, VACUUM_PERMITTIVITY};
 use crate::Stop;
-use crate::harvester::Base;
 use crate::load::{After, Port, Transducer};
 
 /// The branch on which friction and overlap are smooth.

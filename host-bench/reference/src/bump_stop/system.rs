@@ -423,11 +423,7 @@ impl System {
                 .iter()
                 .map(|(frequency, shape)| stiffness * shape * shape / (middle - frequency * frequency))
                 .sum();
-            if sum > 1.0 {
-                below = middle;
-            } else {
-                above = middle;
-            }
+            *(if sum > 1.0 { &mut below } else { &mut above }) = middle;
         }
         above.sqrt() / std::f64::consts::TAU
     }

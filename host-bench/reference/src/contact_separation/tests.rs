@@ -1,9 +1,5 @@
 //! Spec values, closed-form limits, and what tightening the tolerance changes.
 
-mod limits;
-mod published;
-mod storage;
-
 use crate::ReferenceOptions;
 use crate::test_support::{close, contact_separation, number};
 use crate::triboelectric::VACUUM_PERMITTIVITY;
@@ -13,6 +9,10 @@ use harvester_scene::scene_file::{
     ContactSeparation, ContactSeparationParameters, ContactSeparationStart, Excitation, ForceLaw, GRAVITY,
     Load, Model, Restitution, RunSpan, Scene, StickCharge, Tone,
 };
+
+mod limits;
+mod published;
+mod storage;
 
 /// Table 2 of the paper with another charge and force law.
 pub(super) fn table_2(charge_density: f64, force_law: ForceLaw) -> ContactSeparationParameters {

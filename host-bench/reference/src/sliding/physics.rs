@@ -21,7 +21,8 @@
 //! `W = (q − σS s2)² / (2 c s1) = c s1 V² / 2`: at constant charge `−dW/dx = (ds1/dx) V (σS + c V / 2)`. The
 //! gap between the surfaces is infinitely thin: its energy vanishes, its pressure does not.
 
-use super::overlap::Overlap;
+use std::f64::consts::PI;
+
 use crate::triboelectric::{Branch, CircuitKind, Harvester, LoadCircuit, Motion, VACUUM_PERMITTIVITY};
 use harvester_scene::scene_file::modes::Cantilever;
 use harvester_scene::scene_file::{ForceLaw, GRAVITY, Load, SlidingParameters, SlidingStart};
@@ -269,6 +270,45 @@ impl Physics {
         let driven =
             self.load.storage.map_or(driven, |storage| storage.voltage_scale(driven, self.tribo_charge));
         driven.max(self.voltage(start).abs()).max(1e-60)
+    }
+}
+
+// Overlap of two equal discs: how much of the active patch the slider covers.
+//
+// Equations (6) and (7) of Fu, Ouyang and Davis: with `c = |x| / 2r` the covered part of the area is
+// `s1 = (2/π)(arccos c − c √(1−c²))`, the area of the lens over that of a disc, and the rest is
+// `s2 = 1 − s1`. Both have a kink at `x = 0`. So they are taken on one *side* of it, in `y = ± x`, and go
+// on smoothly where `y` is slightly negative: a motion is cut where it passes the middle.
+
+/// Parts of the area and their change with the displacement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Overlap {
+    /// Part on the active patch, `S1 / S`.
+    pub(super) active: f64,
+    /// Part on the inert patch, `S2 / S`.
+    pub(super) inert: f64,
+    /// `d(S1/S)/dx` in 1/m.
+    pub(super) slope: f64,
+    /// `d²(S1/S)/dx²` in 1/m².
+    pub(super) curvature: f64,
+}
+
+impl Overlap {
+    /// At the displacement `x` in m of discs of the given radius in m; `side` is 1 or −1, the sign of the
+    /// displacements that the motion has until it is cut.
+    pub(super) fn at(displacement: f64, radius: f64, side: f64) -> Self {
+        // The iteration of an implicit step may look past the end of the overlap; what it finds there is
+        // finite, and a motion that gets there is refused.
+        const END: f64 = 1.0 - 1e-12;
+        let ratio = (side * displacement / (2.0 * radius)).min(END);
+        let root = ((1.0 - ratio) * (1.0 + ratio)).sqrt();
+        Self {
+            active: 2.0 / PI * (ratio.acos() - ratio * root),
+            // Not as 1 − active, which cancels near the middle.
+            inert: 2.0 / PI * (ratio.asin() + ratio * root),
+            slope: -side * 2.0 * root / (PI * radius),
+            curvature: ratio / (root * PI * radius * radius),
+        }
     }
 }
 

@@ -1,11 +1,5 @@
 //! Published values, closed-form limits, and what tightening the tolerance changes.
 
-mod ledgers;
-mod limits;
-mod published;
-mod sticking;
-mod storage;
-
 use crate::ReferenceOptions;
 use crate::test_support::{close, number, sliding};
 use crate::triboelectric::VACUUM_PERMITTIVITY;
@@ -16,6 +10,12 @@ use harvester_scene::scene_file::{
     Excitation, ForceLaw, GRAVITY, Load, Model, Scene, Sliding, SlidingParameters, SlidingStart, StickCharge,
     Tone,
 };
+
+mod ledgers;
+mod limits;
+mod published;
+mod sticking;
+mod storage;
 
 /// Natural frequency of Table 1 in Hz.
 const NATURAL: f64 = 18.373_129_8;

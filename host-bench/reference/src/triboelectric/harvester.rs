@@ -3,7 +3,7 @@
 use diffsol::error::DiffsolError;
 
 use super::bridge::{Bridge, ElectricalPort, Switch};
-use super::motion::{Mode, Motion};
+use super::flow::{Mode, Motion};
 use crate::ledger::{Integrals, integral};
 use crate::storage::Storage;
 use harvester_scene::outcome::Particular;

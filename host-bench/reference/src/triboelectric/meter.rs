@@ -4,13 +4,11 @@ use std::convert::Infallible;
 
 use diffsol::error::DiffsolError;
 
-use super::flow::Step;
+use super::flow::{Motion, Step};
 use super::harvester::{Counts, Harvester};
-use super::motion::Motion;
 use super::stick::Stick;
-use crate::ledger::{Ledger, integral};
-use crate::recorder::Recorder;
-use crate::totals::{Effort, Totals};
+use crate::ledger::{Effort, Ledger, Totals, integral};
+use crate::schedule::Recorder;
 use harvester_scene::base_motion::LocalBase;
 use harvester_scene::root::far_side;
 use harvester_scene::scene_file::Scene;

@@ -1,7 +1,7 @@
 //! What the tests of contact-separation and sliding share.
 
+use super::flow::Motion;
 use super::harvester::Harvester;
-use super::motion::Motion;
 use crate::ReferenceOptions;
 use crate::test_support::number;
 use harvester_scene::outcome::Outcome;

@@ -106,3 +106,23 @@ fn a_tiny_resistance_continues_the_dynamic_circuit() {
     let driven = slow.rates(&motion, 0.0)[2];
     assert!((rest / driven).abs() < 1e-7, "{rest} {driven}");
 }
+
+#[test]
+fn the_lens_has_its_known_areas_and_slopes() {
+    let radius = 10e-3;
+    let middle = Overlap::at(0.0, radius, 1.0);
+    assert_eq!((middle.active, middle.inert), (1.0, 0.0));
+    // Two discs, the centre of one on the edge of the other: 2/3 − √3/(2π) of a disc.
+    let edge = Overlap::at(-radius, radius, -1.0);
+    assert!((edge.active - (2.0 / 3.0 - 3f64.sqrt() / (2.0 * PI))).abs() < 1e-15);
+    let step = 1e-7;
+    for (displacement, side) in [(3e-3, 1.0), (-12e-3, -1.0), (19e-3, 1.0), (-1e-4, 1.0)] {
+        let [behind, here, ahead] =
+            [-step, 0.0, step].map(|shift| Overlap::at(displacement + shift, radius, side));
+        let slope = (ahead.active - behind.active) / (2.0 * step);
+        let curvature = (ahead.slope - behind.slope) / (2.0 * step);
+        assert!((slope / here.slope - 1.0).abs() < 1e-7, "{displacement}");
+        assert!((curvature - here.curvature).abs() < 1e-6 * here.curvature.abs() + 1e-4);
+        assert!((here.active + here.inert - 1.0).abs() < 1e-15);
+    }
+}

@@ -2,9 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::super::guards::REACH;
-use super::super::overlap::Overlap;
-use super::super::physics::Physics;
+use super::super::REACH;
+use super::super::physics::{Overlap, Physics};
 use super::*;
 
 /// Angular frequency in rad/s, modal mass in kg and participation of Table 1.

@@ -1,8 +1,8 @@
 //! Currents and their derivatives, what is shared at once, and a storage in stick against steps of Runge and
 //! Kutta.
 
+use super::super::stick::StorageInStick;
 use super::*;
-use crate::triboelectric::storage_in_stick::StorageInStick;
 use harvester_scene::scene_file::{Load, Lockout, RectifiedStore, StickCharge};
 
 fn storage(draw: Draw) -> Storage {
