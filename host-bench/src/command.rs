@@ -2,8 +2,6 @@
 
 pub mod attractors;
 pub mod budget;
-pub mod closed_form;
-pub mod figures;
 mod files;
 pub mod findings;
 pub mod fit;
@@ -11,17 +9,14 @@ pub mod keys;
 pub mod map;
 pub mod needs;
 pub mod node_strategies;
-pub mod node_years;
 pub mod on_target;
 pub mod optimise;
-pub mod overview;
 pub mod plot;
 pub mod resonance;
 mod rows;
 pub mod run;
 pub mod stability;
 pub mod stop;
-mod storage_voltage;
 pub mod sweep;
 mod watch;
 pub mod work_precision;
@@ -31,15 +26,16 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-pub use self::watch::be_quiet;
-pub(crate) use self::watch::is_quiet;
-use self::watch::note;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::method::{Failure, Options};
 use crate::name::Name;
 use crate::outcome::Format;
-use crate::scene_file::{Override, contains, replaces};
+use crate::scene_file::{Override, Scene, contains, replaces};
+use watch::note;
+
+pub use watch::be_quiet;
+pub(crate) use watch::is_quiet;
 
 /// Arguments that `run`, `sweep` and `resonance` have in common.
 #[derive(Debug, Clone, clap::Args)]
@@ -164,5 +160,60 @@ pub(crate) fn json_text(value: &impl serde::Serialize) -> Result<String, Failure
     match serde_json::to_string_pretty(value) {
         Ok(text) => Ok(text + "\n"),
         Err(error) => Err(Failure::Input(format!("--format json: {error}"))),
+    }
+}
+
+/// Highest voltage of a storage or bus in V, as in a scene file.
+const HIGHEST_V: f64 = 1e6;
+/// Keys of a storage that a held voltage replaces.
+const REPLACED: [Unused; 5] = [
+    ("load.voltage_v", "--storage-voltage gives the voltage"),
+    ("load.capacitance_f", "--storage-voltage holds the voltage of the storage"),
+    ("load.initial_v", "--storage-voltage holds the voltage of the storage"),
+    ("load.leakage_ohm", "--storage-voltage holds the voltage of the storage"),
+    ("load.draw", "--storage-voltage holds the voltage of the storage"),
+];
+
+#[derive(Debug, Clone, Copy, clap::Args)]
+struct StorageVoltage {
+    /// Hold the voltage of the storage or bus behind the bridge at this value in V
+    #[arg(long, value_name = "V", allow_hyphen_values = true)]
+    storage_voltage: Option<f64>,
+}
+
+impl StorageVoltage {
+    /// Whether the option is given.
+    fn is_given(self) -> bool {
+        self.storage_voltage.is_some()
+    }
+
+    /// The keys that a command does not use, with those that the option replaces.
+    fn unused(self, others: &[Unused]) -> Vec<Unused> {
+        let replaced: &[Unused] = if self.is_given() { &REPLACED } else { &[] };
+        [others, replaced].concat()
+    }
+
+    /// Holds the voltage of a scene's storage.
+    fn hold(self, scene: &mut Scene) -> Result<(), Failure> {
+        let Some(voltage) = self.storage_voltage else { return Ok(()) };
+        if !(0.0..=HIGHEST_V).contains(&voltage) {
+            let text = format!("--storage-voltage {voltage}: must be a number from 0 to {HIGHEST_V:e}");
+            return Err(Failure::Input(text));
+        }
+        scene.load = scene.load.held_at(voltage).ok_or_else(|| {
+            Failure::of_file(
+                scene,
+                "load.kind: must be a bridge (\"rectified-store\", \"dc-bus\") with --storage-voltage",
+            )
+        })?;
+        Ok(())
+    }
+
+    /// Refuses the option without `--steady-state`.
+    fn check(self, steady_state: bool) -> Result<(), Failure> {
+        if self.is_given() && !steady_state {
+            return Err(Failure::Input("--storage-voltage: must be with --steady-state".to_owned()));
+        }
+        Ok(())
     }
 }

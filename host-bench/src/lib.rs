@@ -5,7 +5,6 @@ mod attractors;
 mod budget;
 pub mod closed_form;
 pub mod command;
-mod doubt;
 pub mod figures;
 pub mod findings;
 mod fit;

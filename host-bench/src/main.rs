@@ -5,9 +5,8 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use host_bench::command::{
-    attractors, be_quiet, budget, closed_form, figures, findings, fit, keys, map, needs, node_strategies,
-    node_years, on_target, optimise, overview, plot, print, report, resonance, run, stability, stop, sweep,
-    work_precision,
+    attractors, be_quiet, budget, findings, fit, keys, map, needs, node_strategies, on_target, optimise,
+    plot, print, report, resonance, run, stability, stop, sweep, work_precision,
 };
 use host_bench::method::Failure;
 
@@ -36,9 +35,9 @@ enum Command {
         shell: clap_complete::Shell,
     },
     /// Mean power of a beam without a trajectory, and whether that holds
-    ClosedForm(closed_form::ClosedFormArguments),
+    ClosedForm(run::ClosedFormArguments),
     /// Rebuild the figures of the two papers: sliding 3 to 6, contact-separation 8 to 11, bump-stop 6 to 11
-    Figures(figures::FiguresArguments),
+    Figures(findings::FiguresArguments),
     /// What the two papers find, measured on the shipped scenes
     Findings(findings::FindingsArguments),
     /// Fit parameters of a scene to measurements
@@ -60,7 +59,7 @@ enum Command {
     /// Ways by which a node knows its income and decides on its actions: errors, costs, actions beside the most possible
     NodeStrategies(node_strategies::NodeStrategiesArguments),
     /// Years of a node of either tier: nights, seasons, ageing, clock steps, updates, losses of power
-    NodeYears(node_years::NodeYearsArguments),
+    NodeYears(node_strategies::NodeYearsArguments),
     /// The motion of one run or of several as a picture
     #[command(
         after_help = "Run time: that of the runs: below a second each for triboelectric scenes, some seconds for a beam that hits a stop"
@@ -110,12 +109,12 @@ fn main() -> ExitCode {
         be_quiet();
     }
     let done = match &arguments.command {
-        None => overview::run(),
+        None => work_precision::run_default(),
         Some(Command::Attractors(arguments)) => attractors::run(arguments),
         Some(Command::Budget(arguments)) => budget::run(arguments),
         Some(Command::Completions { shell }) => completions(*shell),
-        Some(Command::ClosedForm(arguments)) => closed_form::run(arguments),
-        Some(Command::Figures(arguments)) => figures::run(arguments),
+        Some(Command::ClosedForm(arguments)) => run::run_closed_form(arguments),
+        Some(Command::Figures(arguments)) => findings::run_figures(arguments),
         Some(Command::Findings(arguments)) => findings::run(arguments),
         Some(Command::Fit(arguments)) => fit::run(arguments),
         Some(Command::Keys(arguments)) => keys::run(arguments),
@@ -126,7 +125,7 @@ fn main() -> ExitCode {
         Some(Command::Resonance(arguments)) => resonance::run(arguments),
         Some(Command::Run(arguments)) => run::run(arguments),
         Some(Command::NodeStrategies(arguments)) => node_strategies::run(arguments),
-        Some(Command::NodeYears(arguments)) => node_years::run(arguments),
+        Some(Command::NodeYears(arguments)) => node_strategies::run_years(arguments),
         Some(Command::OnTarget(arguments)) => {
             on_target::run(arguments).map_err(|error| Failure::Input(error.to_string()))
         }

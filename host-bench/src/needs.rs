@@ -6,18 +6,15 @@
 //! accuracy against the same full run.
 
 mod change;
-mod cycles;
 mod emit;
 mod numerics;
 mod part;
-mod sampled;
 mod study;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-pub(crate) use self::change::{Change, Corner, corner_name, impacts};
-pub(crate) use self::cycles::cycles;
+pub(crate) use self::change::{Change, Corner, corner_name, cycles, impacts};
 pub(crate) use self::emit::Emission;
 pub(crate) use self::numerics::{Control, Numerics, Setting, cheapest};
 pub(crate) use self::part::Part;

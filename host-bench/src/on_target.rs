@@ -4,25 +4,19 @@
 //! counts are the same on every machine. Instructions are not cycles: on a Cortex-M4F a division takes 14 cycles,
 //! a load up to 2 and a taken branch 2 to 4.
 
-pub mod accuracy;
 pub mod build;
-pub mod core;
 pub mod day;
 pub mod decode;
-pub mod decoder;
 pub mod image;
 pub mod native;
 pub mod node;
 pub mod qemu;
-pub mod size;
-pub mod symbols;
-pub mod toolchain;
 
 use self::build::Binary;
-use self::core::Core;
 use self::decode::{Sample, Section};
-use self::size::Size;
-use firmware_example::variant::{self, Variant};
+use firmware_example::workload::{Variant, named};
+use image::Size;
+use qemu::Core;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -141,9 +135,9 @@ impl Error {
 const CALIBRATED: RangeInclusive<f64> = 0.999..=1.001;
 
 /// The variant with the workloads of a peer, which a Cargo feature of the firmware links.
-const PEER: Variant = variant::named("peer::smooth");
+const PEER: Variant = named("peer::smooth");
 /// The variant with a module that `needs` emitted.
-const EMITTED: Variant = variant::named("emitted::bench");
+const EMITTED: Variant = named("emitted::bench");
 
 /// A core on which variants are measured.
 #[derive(Debug, Clone, Copy)]
@@ -244,7 +238,7 @@ impl<'a> Firmware<'a> {
     /// Refuses code that must not be there, and gives the size.
     fn check(&self) -> Result<Size, Error> {
         let image = self.image()?;
-        let symbols = symbols::refused(&image);
+        let symbols = image::refused(&image);
         // Only a peer, which needs a feature, may link panics and double arithmetic.
         if !symbols.is_empty() && self.binary.feature.is_none() {
             let what = format!(

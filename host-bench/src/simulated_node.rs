@@ -33,4 +33,4 @@ pub use self::settings::{OneNode, OneState, Settings};
 pub use self::strategy::{Strategy, Tiered};
 pub use self::timeline::{Course, Timeline, Weather};
 pub use self::years::{Quarter, Stress, years};
-pub use crate::stability::random::source::Source;
+pub use crate::stability::random::Source;

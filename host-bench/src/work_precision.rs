@@ -10,18 +10,17 @@ pub(crate) mod grid;
 pub(crate) mod peers;
 pub(crate) mod table;
 pub(crate) mod triboelectric;
-mod variant;
 
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use self::table::Column;
-pub(crate) use self::variant::{Control, Extent, Variant};
 use crate::method::{Failure, Math, Method, Options, Precision};
 use crate::outcome::Outcome;
 use crate::run::{run_scene, try_run_scene};
 use crate::scene_file::{Model, Scene};
+pub(crate) use table::{Control, Extent, Variant};
 
 /// Relative difference of two errors below which they count as equal.
 const SAME: f64 = 0.1;

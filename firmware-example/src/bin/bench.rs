@@ -1,7 +1,7 @@
 //! The on-target bench: what a model costs on a microcontroller, and the bits it comes to there.
 //!
 //! The environment variable `HARVESTER_VARIANT` chooses at build what is measured: a name of
-//! `firmware_example::variant::VARIANTS`, `contact_separation::bench` if it is not set.
+//! `firmware_example::workload::VARIANTS`, `contact_separation::bench` if it is not set.
 //!
 //! Under QEMU, on every core, with the log decoded, the bits checked and a table at the end:
 //!
@@ -25,7 +25,7 @@
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    use firmware_example::variant::{VARIANTS, Variant, named};
+    use firmware_example::workload::{VARIANTS, Variant, named};
 
     const VARIANT: Variant = match option_env!("HARVESTER_VARIANT") {
         Some(name) => named(name),

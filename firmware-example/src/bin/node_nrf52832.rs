@@ -24,8 +24,7 @@ mod board {
     use cortex_m::peripheral::NVIC;
     use firmware_example::board::adxl362::{Adxl362, Axis};
     use firmware_example::board::example::{ExampleNode, MEASURE, NODE, RANGE, RATE, Runner};
-    use firmware_example::board::flash::Slots;
-    use firmware_example::board::hal::HalBoard;
+    use firmware_example::board::{HalBoard, Slots};
     use firmware_example::stop::{Code, stop};
     use model_core::node::{Board, Gap, Tier};
     use model_core::snapshot::image_size;
@@ -33,8 +32,9 @@ mod board {
     use nrf52832_hal::nvmc::Nvmc;
     use nrf52832_hal::pac::{Interrupt, Peripherals, RTC0, interrupt};
     use nrf52832_hal::rtc::{Rtc, RtcCompareReg, RtcInterrupt};
-    use nrf52832_hal::saadc::{Gain, InternalVdd, Oversample, Reference, Resistor, Resolution, Saadc};
-    use nrf52832_hal::saadc::{SaadcConfig, Time};
+    use nrf52832_hal::saadc::{
+        Gain, InternalVdd, Oversample, Reference, Resistor, Resolution, Saadc, SaadcConfig, Time,
+    };
     use nrf52832_hal::spim::{self, Frequency, Spim};
     use nrf52832_hal::{Clocks, clocks::LfOscConfiguration};
 
@@ -50,6 +50,16 @@ mod board {
     const PAGE: usize = 4096;
     /// Seconds from one image to the next: the flash bears 10 000 erasures of a page.
     const IMAGE_EVERY: u32 = 6 * 3600;
+
+    /// 0.6 V at a gain of a sixth: 3.6 V of full scale.
+    const CONVERTER: SaadcConfig = SaadcConfig {
+        resolution: Resolution::_12BIT,
+        oversample: Oversample::BYPASS,
+        reference: Reference::INTERNAL,
+        gain: Gain::GAIN1_6,
+        resistor: Resistor::BYPASS,
+        time: Time::_20US,
+    };
 
     /// The RTC: the time since the start, and sleep.
     struct Clock {
@@ -146,16 +156,7 @@ mod board {
         let select = pins.p0_22.into_push_pull_output(Level::High);
         // The error is that of the pin, which cannot fail.
         let Ok(spi) = embedded_hal_bus::spi::ExclusiveDevice::new_no_delay(spi, select);
-        // 0.6 V at a gain of a sixth: 3.6 V of full scale.
-        let converter = SaadcConfig {
-            resolution: Resolution::_12BIT,
-            oversample: Oversample::BYPASS,
-            reference: Reference::INTERNAL,
-            gain: Gain::GAIN1_6,
-            resistor: Resistor::BYPASS,
-            time: Time::_20US,
-        };
-        let mut converter = Saadc::new(parts.SAADC, converter);
+        let mut converter = Saadc::new(parts.SAADC, CONVERTER);
         let mut lights = [
             pins.p0_17.into_push_pull_output(Level::Low).degrade(),
             pins.p0_18.into_push_pull_output(Level::Low).degrade(),
@@ -164,7 +165,7 @@ mod board {
         let pages = unsafe { core::slice::from_raw_parts_mut(SLOTS as *mut u8, 2 * PAGE) };
         let Some(slots) = Slots::new(Nvmc::new(parts.NVMC, pages), PAGE) else { stop(Code::WorkloadFailed) };
 
-        let mut board = HalBoard {
+        let board = HalBoard {
             sensor: Adxl362::new(spi, Axis::Z, RANGE, RATE),
             delay: Wait(&clock),
             sleep: |milliseconds: u32| {
@@ -185,6 +186,11 @@ mod board {
             },
             slots,
         };
+        live(board, &clock)
+    }
+
+    /// Runs the node on its board, from the image if there is one.
+    fn live(mut board: impl Board, clock: &RefCell<Clock>) -> ! {
         // A reset of the processor may have come in a burst.
         board.stop_sensor();
         let mut runner: Runner<_> = Runner::new(board, &NODE, 0);

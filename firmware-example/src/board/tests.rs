@@ -22,8 +22,7 @@ use model_core::node::{Board, Fault, Finding, Gap, Step, Tier};
 
 use super::adxl362::{Adxl362, Adxl362Error, Axis, Range, Rate};
 use super::example::{self, Runner};
-use super::flash::Slots;
-use super::hal::HalBoard;
+use super::{HalBoard, Slots};
 
 fn written(bytes: &[u8]) -> Vec<Transaction<u8>> {
     vec![

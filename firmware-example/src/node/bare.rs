@@ -17,8 +17,7 @@ use model_core::snapshot::image_size;
 use super::parts::{ACTIONS, NODE, Part};
 use super::{IMAGE_BYTES, IMAGE_EVERY};
 use crate::board::adxl362::{Adxl362, Axis, Range, Rate};
-use crate::board::flash::Slots;
-use crate::board::hal::HalBoard;
+use crate::board::{HalBoard, Slots};
 use crate::stop::{Code, stop};
 
 /// The registers of a microcontroller.

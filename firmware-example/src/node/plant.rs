@@ -6,7 +6,6 @@
 use model_core::node::MapParameters;
 use model_core::scalar::Scalar;
 
-use super::day::minute;
 use super::parts::{
     ACTIONS, BITS, CAPACITANCE, ExampleNode, FIRST, FULL_SCALE, HIGHEST, INTO_STORAGE, LEAKAGE, LOCK_OUT,
     OUT_OF_STORAGE, RATE,
@@ -245,6 +244,34 @@ fn sine(phase: u32) -> i32 {
     if phase & 1 << 31 == 0 { value } else { -value }
 }
 
+/// A minute of the day.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Minute {
+    /// Amplitude in mm/s² and frequency in mHz of each of two sines that shake the harvester; without a second sine, and at
+    /// rest, 0 and 0.
+    pub lines: [[u16; 2]; 2],
+    /// Harvested energy in nJ.
+    pub energy: u32,
+}
+
+// `DAY: [Minute; 1440]`, by the build script from `trace/day.csv`.
+include!(concat!(env!("OUT_DIR"), "/day.rs"));
+
+/// Seconds of the day.
+pub const SECONDS: u32 = 60 * DAY.len() as u32;
+
+/// The minute with the given second of the day; at rest after its end.
+pub(super) fn minute(second: u32) -> Minute {
+    const REST: Minute = Minute { lines: [[0; 2]; 2], energy: 0 };
+    DAY.get((second / 60) as usize).copied().unwrap_or(REST)
+}
+
+/// Energy in pJ that is harvested in all of the day.
+#[must_use]
+pub fn income() -> u64 {
+    DAY.iter().map(|minute| 1000 * u64::from(minute.energy)).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::{Plant, RATE, energy_at, shaken, sine};
@@ -301,7 +328,7 @@ mod tests {
             plant.advance(&draws, (plant.second + 37).min(86_400));
         }
         assert_eq!((plant.income, plant.second), (whole.income, 86_400));
-        assert_eq!(plant.income, super::super::day::income());
+        assert_eq!(plant.income, super::income());
         let off = plant.stored.abs_diff(whole.stored);
         assert!(off < energy_at(4.5) / 10_000, "{off}");
     }

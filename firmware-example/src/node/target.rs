@@ -9,8 +9,7 @@ use cortex_m::peripheral::SCB;
 
 use super::entry::log;
 use super::{End, LOSSES, Meter, Part, WORK, World, cycle};
-use crate::counter::Counter;
-use crate::stack;
+use crate::measure::Counter;
 use crate::stop::{Code, stop};
 
 /// What memory holds after the first start.
@@ -56,9 +55,9 @@ pub fn run() -> ! {
     }
     // SAFETY: it was made now or before the last reset, by this program.
     let world = unsafe { world.assume_init_mut() };
-    stack::paint();
+    crate::measure::paint();
     let ended = cycle(Part::TARGET, world, &counter, &mut log);
-    world.stack = world.stack.max(stack::deepest());
+    world.stack = world.stack.max(crate::measure::deepest());
     match ended {
         Ok(End::PowerLost) => SCB::sys_reset(),
         Ok(End::Day) => {

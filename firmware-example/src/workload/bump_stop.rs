@@ -2,19 +2,18 @@
 //!
 //! Four modes of the beam and one of the rod: the smallest numbers whose voltage is right to a few per cent.
 
-pub mod parts;
-
 use core::hint::black_box;
 
 use model_core::hybrid::Work;
+use model_core::part::load::Resistor;
+use model_core::part::monomorph::Layer;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{
-    BumpStop, Checked, CheckedState, Parameters, Parts, Start, StateOf, Stepper,
+    BumpStop, Checked, CheckedState, Choices, Parameters, Parts, ResidualFlexibility, Resistive, Start,
+    StateOf, Stepper, Stop,
 };
 
-use self::parts::{GAP, Whole};
-use super::building::Building;
-use super::run::{self, Plan, Run};
+use super::run::{self, Building, Plan, Run};
 use super::{Visit, Workload, show};
 
 /// Modes of the beam.
@@ -56,7 +55,7 @@ pub const STEPS: [[f32; 2]; 7] = [
 
 /// The default scene.
 pub fn bench(visit: Visit<'_>) -> Option<()> {
-    impacting(visit, parts::whole(GAP), LONG)
+    impacting(visit, whole(GAP), LONG)
 }
 
 /// [`CHECKED`]: the default scene with the estimate of the error of its steps, which takes 6 kB of RAM.
@@ -66,7 +65,7 @@ pub fn checked(visit: Visit<'_>) -> Option<()> {
 
 #[inline(never)]
 fn run_checked() -> Option<impl Workload> {
-    let scene: BumpStop<f32, Whole, BEAM_MODES, ROD_MODES> = black_box(parts::whole(GAP)).build().ok()?;
+    let scene: BumpStop<f32, Whole, BEAM_MODES, ROD_MODES> = black_box(whole(GAP)).build().ok()?;
     let stepper = Stepper::new(scene, black_box(SHORT), black_box(LONG)).ok()?;
     let checked = Checked::new(stepper, black_box(CHECKED_EVERY));
     Run::new(CHECKED, checked, &Start::default(), with_statement)
@@ -92,9 +91,9 @@ fn with_statement(
 
 /// [`TOUCHING`], and the build of the coefficients, the compliance of the modes left out included.
 pub fn others(visit: Visit<'_>) -> Option<()> {
-    show(visit, run::<_, BEAM_MODES, ROD_MODES>(TOUCHING, parts::whole(0.0), TOUCHING_STEPS))?;
+    show(visit, run::<_, BEAM_MODES, ROD_MODES>(TOUCHING, whole(0.0), TOUCHING_STEPS))?;
     visit(&mut Building::new("bump-stop-build", || {
-        let scene: BumpStop<f32, _, BEAM_MODES, ROD_MODES> = black_box(parts::whole(GAP)).build().ok()?;
+        let scene: BumpStop<f32, _, BEAM_MODES, ROD_MODES> = black_box(whole(GAP)).build().ok()?;
         let scene = black_box(scene);
         Some([
             scene.beam_angular_frequency(0).unwrap_or_default(),
@@ -110,7 +109,7 @@ pub fn others(visit: Visit<'_>) -> Option<()> {
 pub fn precision(visit: Visit<'_>) -> Option<()> {
     for gap in GAPS {
         for steps in STEPS {
-            show(visit, run::<_, BEAM_MODES, ROD_MODES>(SETTLING, parts::whole(gap), steps))?;
+            show(visit, run::<_, BEAM_MODES, ROD_MODES>(SETTLING, whole(gap), steps))?;
         }
     }
     Some(())
@@ -132,4 +131,48 @@ pub fn run<P: Parts<f32>, const B: usize, const R: usize>(
     let scene: BumpStop<f32, P, B, R> = black_box(parameters).build().ok()?;
     let stepper = Stepper::new(scene, black_box(short), black_box(long)).ok()?;
     Run::new(plan, stepper, &Start::default(), run::piezoelectric)
+}
+
+/// The load of the default scene.
+pub const LOAD: Resistor<f32> = Resistor { resistance: 1e6 };
+/// Distance of beam and rod at rest in the default scene, in m.
+pub const GAP: f32 = 10e-6;
+
+/// 50 mm × 10 mm of 0.5 mm steel and 0.5 mm PZT-5A.
+#[must_use]
+pub fn parameters<C>(choices: C) -> Parameters<f32, C> {
+    Parameters {
+        beam_length: 50e-3,
+        beam_width: 10e-3,
+        substrate: Layer { thickness: 0.5e-3, young_modulus: 200e9, density: 7850.0 },
+        piezo: Layer { thickness: 0.5e-3, young_modulus: 66e9, density: 7800.0 },
+        piezo_d31: -190e-12,
+        piezo_permittivity: 15.93e-9,
+        damping_ratio: 0.01,
+        choices,
+    }
+}
+
+/// An aluminium rod of 20 mm × 2 mm × 2 mm, `gap` metres from the beam's tip.
+#[must_use]
+pub fn stop(gap: f32) -> Stop<f32> {
+    Stop {
+        length: 20e-3,
+        section: 4e-6,
+        young_modulus: 70e9,
+        density: 2700.0,
+        position: 50e-3,
+        gap,
+        contact_compliance: 0.0,
+        contact: ResidualFlexibility,
+    }
+}
+
+/// What the default scene is made of.
+pub type Whole = Choices<Resistive<Resistor<f32>>, Stop<f32>>;
+
+/// The default scene with a gap of its own.
+#[must_use]
+pub fn whole(gap: f32) -> Parameters<f32, Whole> {
+    parameters(Choices::new(LOAD).stop(stop(gap)))
 }

@@ -1,17 +1,18 @@
 //! The contact-separation scene: its variants.
 
-pub mod parts;
-
 use core::hint::black_box;
+use core::marker::PhantomData;
 
 use model_core::integrate::{
     Adaptive, ExponentialRadau, FixedStep, Method, RungeKutta4, StepControl, TrBdf2,
 };
 use model_core::part::draw::NoDraw;
-use model_core::part::load::OpenCircuit;
+use model_core::part::load::{OpenCircuit, Resistor};
+use model_core::part::parasitic::ParasiticCapacitance;
+use model_core::part::restitution::VelocityDependentRestitution;
 use model_core::part::storage::{Capacitor, StorageCapacitor};
 use model_core::scene::Simulation;
-use model_core::scene::contact_separation::{Parameters, Parts, Start};
+use model_core::scene::contact_separation::{Choices, GapField, Parameters, Parts, Start, TransferredCharge};
 use model_core::scene::rectified::{FullBridge, Rectified};
 
 use super::run::{self, Plan, Run};
@@ -56,7 +57,7 @@ pub const STORAGE: [f32; 3] = [22e-6, 2.6, 0.3];
 
 /// The default scene.
 pub fn bench(visit: Visit<'_>) -> Option<()> {
-    show(visit, run(IMPACTING, parts::whole(), ExponentialRadau, Adaptive::new(TOLERANCE).ok()?))
+    show(visit, run(IMPACTING, whole(), ExponentialRadau, Adaptive::new(TOLERANCE).ok()?))
 }
 
 /// The default scene under the force of the field, with [`PASSIVE`], behind a bridge that charges [`STORAGE`].
@@ -65,7 +66,7 @@ pub fn others(visit: Visit<'_>) -> Option<()> {
     let capacitor = Capacitor { capacitance, leakage_resistance: f32::INFINITY };
     let storage = StorageCapacitor { capacitor, initial_voltage, draw: NoDraw };
     // The bridge is what is at the terminals.
-    let alone = black_box(parts::passive(OpenCircuit)).build().ok()?;
+    let alone = black_box(passive(OpenCircuit)).build().ok()?;
     let scene = Rectified::new(alone, FullBridge { diode_drop, storage }).ok()?;
     let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(TOLERANCE).ok()?);
     show(visit, Run::new(PASSIVE, harvester, &Start::default(), run::outputs))
@@ -76,18 +77,18 @@ pub fn others(visit: Visit<'_>) -> Option<()> {
 pub fn precision(visit: Visit<'_>) -> Option<()> {
     for resistance in LOADS {
         for tolerance in LOAD_TOLERANCES {
-            let loaded = parts::loaded(black_box(resistance));
+            let loaded = loaded(black_box(resistance));
             show(visit, run(SETTLING, loaded, ExponentialRadau, Adaptive::new(tolerance).ok()?))?;
         }
     }
     for tolerance in TOLERANCES {
-        show(visit, run(SETTLING, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
+        show(visit, run(SETTLING, whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
     }
     for step in STEPS {
-        fixed(visit, SETTLING, parts::whole(), TrBdf2, step)?;
+        fixed(visit, SETTLING, whole(), TrBdf2, step)?;
     }
     for step in EXPLICIT_STEPS {
-        fixed(visit, SETTLING, parts::whole(), RungeKutta4, step)?;
+        fixed(visit, SETTLING, whole(), RungeKutta4, step)?;
     }
     Some(())
 }
@@ -95,9 +96,9 @@ pub fn precision(visit: Visit<'_>) -> Option<()> {
 /// [`SMOOTH`] with each of [`SMOOTH_TOLERANCES`] and with [`SMOOTH_STEP`].
 pub fn smooth(visit: Visit<'_>) -> Option<()> {
     for tolerance in SMOOTH_TOLERANCES {
-        show(visit, run(SMOOTH, parts::whole(), ExponentialRadau, Adaptive::new(tolerance).ok()?))?;
+        show(visit, run(SMOOTH, whole(), ExponentialRadau, Adaptive::new(tolerance).ok()?))?;
     }
-    fixed(visit, SMOOTH, parts::whole(), RungeKutta4, SMOOTH_STEP)
+    fixed(visit, SMOOTH, whole(), RungeKutta4, SMOOTH_STEP)
 }
 
 #[inline]
@@ -123,4 +124,59 @@ pub fn run<P: Parts<f32>>(
     let scene = black_box(parameters).build().ok()?;
     let start = Start { velocity: Some(black_box(plan.velocity)), ..Start::default() };
     Run::new(plan, Simulation::new(scene, method, black_box(control)), &start, run::triboelectric)
+}
+
+/// The load of the default scene.
+pub const LOAD: Resistor<f32> = Resistor { resistance: 1e8 };
+/// Its parasitic capacitance.
+pub const PARASITIC: ParasiticCapacitance<f32> = ParasiticCapacitance { capacitance: 1e-12 };
+/// Its law of restitution.
+pub const LAW_OF_SPEED: VelocityDependentRestitution<f32> = VelocityDependentRestitution {
+    at_rest: 0.8,
+    at_speed: 0.5,
+    reference_speed: 0.3,
+    mathematics: PhantomData,
+};
+
+/// Table 2 of the paper with σ = 50 µC/m².
+#[must_use]
+pub fn parameters<C>(choices: C) -> Parameters<f32, C> {
+    Parameters {
+        mass: 5e-3,
+        stiffness: 80.0,
+        damping_ratio: 0.005,
+        initial_gap: 3e-3,
+        electrode_area: 4e-4,
+        dielectric_thickness: 5e-5,
+        relative_permittivity: 2.0,
+        charge_density: 50e-6,
+        choices,
+    }
+}
+
+/// What the default scene is made of.
+pub type Whole =
+    Choices<Resistor<f32>, VelocityDependentRestitution<f32>, TransferredCharge, ParasiticCapacitance<f32>>;
+
+/// The default scene.
+#[must_use]
+pub fn whole() -> Parameters<f32, Whole> {
+    loaded(LOAD.resistance)
+}
+
+/// The default scene with another load in Ω.
+#[must_use]
+pub fn loaded(resistance: f32) -> Parameters<f32, Whole> {
+    parameters(
+        Choices::new(Resistor { resistance }, LAW_OF_SPEED).force_law(TransferredCharge).parasitic(PARASITIC),
+    )
+}
+
+/// The parts of the default scene under the force of the field, which conserves energy.
+pub type Passive<L> = Choices<L, VelocityDependentRestitution<f32>, GapField, ParasiticCapacitance<f32>>;
+
+/// The default scene under the force of the field, with another load.
+#[must_use]
+pub fn passive<L>(load: L) -> Parameters<f32, Passive<L>> {
+    parameters(Choices::new(load, LAW_OF_SPEED).parasitic(PARASITIC).force_law(GapField))
 }

@@ -33,10 +33,10 @@ const ENTRIES: u32 = 4;
 
 /// The estimators of the three scenes.
 pub fn all(visit: Visit<'_>) -> Option<()> {
-    let contact = black_box(contact_separation::parts::whole()).build().ok()?;
-    let slide = black_box(sliding::parts::whole()).build().ok()?;
+    let contact = black_box(contact_separation::whole()).build().ok()?;
+    let slide = black_box(sliding::whole()).build().ok()?;
     let bump: BumpStop<f32, _, BEAM_MODES, ROD_MODES> =
-        black_box(bump_stop::parts::whole(bump_stop::parts::GAP)).build().ok()?;
+        black_box(bump_stop::whole(bump_stop::GAP)).build().ok()?;
 
     let control = Adaptive::new(contact_separation::TOLERANCE).ok()?;
     show(visit, estimator(CONTACT, Simulation::new(contact, ExponentialRadau, control)))?;

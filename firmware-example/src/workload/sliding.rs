@@ -2,18 +2,16 @@
 //!
 //! The corners of the motion are events, four in a period.
 
-pub mod parts;
-
 use core::hint::black_box;
 
 use model_core::integrate::{
     Adaptive, ExponentialRadau, FixedStep, Method, RungeKutta4, StepControl, TrBdf2,
 };
+use model_core::part::load::Resistor;
 use model_core::scene::Simulation;
-use model_core::scene::sliding::{Parameters, Parts, Start};
+use model_core::scene::sliding::{Choices, Parameters, Parts, PatchFriction, Start, TransferredCharge};
 
-use super::building::Building;
-use super::run::{self, Plan, Run};
+use super::run::{self, Building, Plan, Run};
 use super::{Visit, Workload, show};
 
 /// 0.36 g at 18.373 Hz, the natural frequency: the slider lets go in the first period and slides from
@@ -46,16 +44,16 @@ pub const EXPLICIT_STEPS: [f32; 4] = [3.8e-3, 2.5e-3, 2e-3, 1e-3];
 
 /// The default scene.
 pub fn bench(visit: Visit<'_>) -> Option<()> {
-    adaptive(visit, SLIDING, parts::whole())
+    adaptive(visit, SLIDING, whole())
 }
 
 /// [`STICK_SLIP`] as the bench runs it and by the classical Runge–Kutta method, and the build of the coefficients, the
 /// beam's eigenvalue included.
 pub fn others(visit: Visit<'_>) -> Option<()> {
-    adaptive(visit, STICK_SLIP, parts::whole())?;
-    fixed(visit, STICK_SLIP, parts::whole(), RungeKutta4, STEP)?;
+    adaptive(visit, STICK_SLIP, whole())?;
+    fixed(visit, STICK_SLIP, whole(), RungeKutta4, STEP)?;
     visit(&mut Building::new("sliding-build", || {
-        let scene = black_box(black_box(parts::whole()).build().ok()?);
+        let scene = black_box(black_box(whole()).build().ok()?);
         Some([scene.angular_frequency(), scene.modal_mass(), scene.base_coupling(), scene.charge_unit()])
     }));
     Some(())
@@ -65,7 +63,7 @@ pub fn others(visit: Visit<'_>) -> Option<()> {
 pub fn precision(visit: Visit<'_>) -> Option<()> {
     for resistance in LOADS {
         for tolerance in LOAD_TOLERANCES {
-            let loaded = parts::loaded(black_box(resistance));
+            let loaded = loaded(black_box(resistance));
             show(visit, run(SETTLING, loaded, ExponentialRadau, Adaptive::new(tolerance).ok()?))?;
         }
     }
@@ -75,13 +73,13 @@ pub fn precision(visit: Visit<'_>) -> Option<()> {
 /// Any plan by the other methods with each of [`TOLERANCES`], [`STEPS`] and [`EXPLICIT_STEPS`].
 pub fn precision_of(plan: Plan, visit: Visit<'_>) -> Option<()> {
     for tolerance in TOLERANCES {
-        show(visit, run(plan, parts::whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
+        show(visit, run(plan, whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
     }
     for step in STEPS {
-        fixed(visit, plan, parts::whole(), TrBdf2, step)?;
+        fixed(visit, plan, whole(), TrBdf2, step)?;
     }
     for step in EXPLICIT_STEPS {
-        fixed(visit, plan, parts::whole(), RungeKutta4, step)?;
+        fixed(visit, plan, whole(), RungeKutta4, step)?;
     }
     Some(())
 }
@@ -114,4 +112,44 @@ pub fn run<P: Parts<f32>>(
     let scene = black_box(parameters).build().ok()?;
     let start = Start { velocity: Some(black_box(plan.velocity)), ..Start::default() };
     Run::new(plan, Simulation::new(scene, method, black_box(control)), &start, run::triboelectric)
+}
+
+/// The load of the default scene.
+pub const LOAD: Resistor<f32> = Resistor { resistance: 1e8 };
+/// Its friction.
+pub const FRICTION: PatchFriction<f32> =
+    PatchFriction { static_active: 0.35, static_inert: 0.25, kinetic_active: 0.30, kinetic_inert: 0.20 };
+
+/// Table 1 of the paper with σ = 80 µC/m².
+#[must_use]
+pub fn parameters<C>(choices: C) -> Parameters<f32, C> {
+    Parameters {
+        beam_length: 0.1,
+        beam_width: 20e-3,
+        beam_thickness: 0.5e-3,
+        young_modulus: 210e9,
+        density: 7800.0,
+        damping_ratio: 0.0035,
+        slider_mass: 8e-3,
+        patch_radius: 10e-3,
+        dielectric_thickness: 0.05e-3,
+        relative_permittivity: 2.0,
+        charge_density: 80e-6,
+        choices,
+    }
+}
+
+/// What the default scene is made of.
+pub type Whole = Choices<Resistor<f32>, PatchFriction<f32>, TransferredCharge>;
+
+/// The default scene.
+#[must_use]
+pub fn whole() -> Parameters<f32, Whole> {
+    loaded(LOAD.resistance)
+}
+
+/// The default scene with another load in Ω.
+#[must_use]
+pub fn loaded(resistance: f32) -> Parameters<f32, Whole> {
+    parameters(Choices::new(Resistor { resistance }, FRICTION).force_law(TransferredCharge))
 }

@@ -4,8 +4,7 @@
 //! the energies in the sixteen parts of the window by more than 10⁻⁶ of the whole, and half the step changes them by more than
 //! 10⁻⁴. The power of one run is then that of one motion of many.
 
-use super::difference::{Difference, delivers, difference, motions};
-use super::runs::{Runs, to_compare};
+use super::{Difference, Runs, delivers, difference, motions, to_compare};
 use crate::method::Options;
 use crate::outcome::Outcome;
 use crate::shift::SHIFT;

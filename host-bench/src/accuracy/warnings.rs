@@ -1,7 +1,6 @@
 //! Warnings about the accuracy of a run.
 
-use super::LEAST;
-use super::difference::delivers;
+use super::{LEAST, delivers};
 use crate::outcome::{Outcome, fields};
 use crate::resolution::natural_frequency_hz;
 use crate::scene_file::{Excitation, Load, Scene};

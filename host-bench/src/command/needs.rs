@@ -16,7 +16,7 @@ use crate::needs::{
     Change, Control, Corner, Emission, Finding, Needs, Numerics, Part, Setting, Study, Verdict, cheapest,
     corner_name, cycles, impacts,
 };
-use crate::on_target::core::Core;
+use crate::on_target::qemu::Core;
 use crate::on_target::{self, Bench, Measurement};
 use crate::outcome::{Fields, Format, SwitchCycles, fields, name, rows_csv, small, table};
 use crate::rows::{Digits, Rows};

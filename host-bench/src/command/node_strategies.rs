@@ -11,7 +11,7 @@ use super::{count, one_more, print, progress};
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::rows::Rows;
-use crate::simulated_node::{Course, Extent, Kind, ROWS, picture, rows, timelines};
+use crate::simulated_node::{Course, Extent, Kind, Quarter, ROWS, STORAGES, picture, rows, timelines, years};
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(
@@ -75,6 +75,30 @@ pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
 }
 
 /// Prints rows of the same keys, of which the first few are words.
-pub(super) fn print_rows<T: Serialize>(rows: &[T], format: Format, words: usize) -> Result<(), Failure> {
+fn print_rows<T: Serialize>(rows: &[T], format: Format, words: usize) -> Result<(), Failure> {
     print(&Rows::of(rows).text(format, |rows| rows.table(presets::NOTHING, &rows.plain(), words)))
+}
+
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Run time: minutes of CPU for ten years, on all cores")]
+pub struct NodeYearsArguments {
+    /// Years
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = count::<u32>(1..=50))]
+    years: u32,
+    /// Output format; the table has of each node the quarter with the fewest hours inside
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Runs all nodes and prints their quarters.
+pub fn run_years(arguments: &NodeYearsArguments) -> Result<(), Failure> {
+    let quarters = years(365 * arguments.years, &STORAGES)?;
+    if arguments.format != Format::Table {
+        return print_rows(&quarters, arguments.format, 2);
+    }
+    let of_a_node = |one: &Quarter, other: &Quarter| other.quarter > one.quarter;
+    let worst =
+        |node: &[Quarter]| node.iter().min_by(|one, other| one.inside.total_cmp(&other.inside)).copied();
+    let worst: Vec<Quarter> = quarters.chunk_by(of_a_node).filter_map(worst).collect();
+    print_rows(&worst, arguments.format, 2)
 }

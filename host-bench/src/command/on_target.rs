@@ -1,22 +1,26 @@
 //! `on-target`: what the models cost on a microcontroller.
 
 mod cores;
-mod estimators;
 mod node;
-mod output;
-mod peer;
 mod rows;
 mod work_precision;
 
-use self::output::{Format, Output};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use comfy_table::presets;
+use firmware_example::workload::contact_separation::{self, SMOOTH, SMOOTH_STEP, SMOOTH_TOLERANCES};
+use firmware_example::workload::{bump_stop, named, peer, sliding};
+use serde_json::Value;
+
 use super::count;
 use super::files::Outputs;
 use crate::method::Failure;
-use crate::on_target::core::Core;
-use crate::on_target::{Bench, Error, day, qemu};
-use clap::{Args, ValueEnum};
-use std::path::PathBuf;
-use std::time::Duration;
+use crate::on_target::qemu::{self, Core};
+use crate::on_target::{Bench, Error, day};
+use crate::outcome;
+use rows::{Case, Column, RADAU, Row, Steps};
 
 /// Build the firmware for each core, run it under QEMU, check its bits against the host, and report
 /// instructions, flash, RAM and stack.
@@ -77,9 +81,9 @@ pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
     let of_bench: fn(&Bench, &mut Output) -> Result<(), Error> = if arguments.work_precision {
         work_precision::report
     } else if arguments.estimators {
-        estimators::report
+        estimators
     } else if arguments.peer {
-        peer::report
+        beside_peer
     } else {
         let all = if arguments.node { &[Core::M4f, Core::M0] } else { Core::value_variants() };
         let cores = cores(all);
@@ -106,4 +110,113 @@ fn bench(core: Core, limit: Duration) -> Result<Bench, Error> {
 
 fn announce(core: Core) {
     eprintln!("{core}, on the board {}", core.hardware().board);
+}
+
+const ESTIMATE: Column = ("estimate", |row| row.workload.name.clone());
+const PER_CALL: Column = ("instructions per sample or call", rows::PER_STEP.1);
+const PER_SECOND: Column = ("per second", rows::PER_SECOND.1);
+
+/// Measures the estimators of all scenes and the look-up, and prints their instructions.
+///
+/// # Errors
+///
+/// If the firmware does not build or run, or computes other bits than the host.
+fn estimators(bench: &Bench, output: &mut Output) -> Result<(), Error> {
+    let estimator =
+        |scene, method, steps| Case { steps, by_sample: true, ..Case::new("estimator", scene, method) };
+    let cases = vec![
+        estimator("contact-separation", RADAU, Steps::Tolerance(contact_separation::TOLERANCE)),
+        estimator("sliding", RADAU, Steps::Tolerance(sliding::TOLERANCE)),
+        estimator("bump-stop", "discrete gradient", Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG])),
+    ];
+    let mut found = rows::measure(bench, &const { named("estimators::all") }, cases)?;
+    let look_up = |motions| Case::new("look-up", "contact-separation", motions);
+    let cases = vec![
+        look_up("one motion"),
+        look_up("two motions"),
+        Case { by_sample: true, ..Case::new("estimator", "strongest-sine", "bank of lines") },
+    ];
+    found.extend(rows::measure(bench, &const { named("response_map::all") }, cases)?);
+    let columns = [rows::CORE, ESTIMATE, PER_CALL, PER_SECOND, rows::STACK];
+    let note =
+        "Samples at 400 a second (contact-separation, lines of the band), 367 (sliding) and 3520 (bump-stop).
+A response map is called once a second. Each estimate has the host's bits.";
+    output.rows(&found, &columns, 2, note);
+    Ok(())
+}
+
+/// How to print a report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum Format {
+    /// Tables for people.
+    #[default]
+    Table,
+    /// One JSON array with an object for each row.
+    Json,
+}
+
+/// Prints tables at once; collects JSON rows until the end.
+#[derive(Debug)]
+struct Output {
+    format: Format,
+    objects: Vec<Value>,
+}
+
+impl Output {
+    fn new(format: Format) -> Self {
+        Self { format, objects: Vec::new() }
+    }
+
+    /// A table of measured rows, the first `text` columns to the left, and a note below it.
+    fn rows(&mut self, rows: &[Row], columns: &[Column], text: usize, note: &str) {
+        let cells = |row: &Row| columns.iter().map(|(_, cell)| cell(row)).collect();
+        let header = columns.iter().map(|(heading, _)| *heading).collect();
+        self.table(header, rows.iter().map(cells).collect(), text, note);
+        self.objects.extend(rows.iter().map(Row::json));
+    }
+
+    /// A table for people only.
+    fn table(&mut self, header: Vec<&str>, rows: Vec<Vec<String>>, text: usize, note: &str) {
+        if self.format == Format::Json {
+            return;
+        }
+        println!("{}{note}\n", outcome::table(presets::ASCII_MARKDOWN, header, rows, text));
+    }
+
+    /// A row of the JSON array.
+    fn object(&mut self, object: Value) {
+        self.objects.push(object);
+    }
+
+    /// Prints the JSON array.
+    fn finish(self) {
+        if self.format == Format::Json {
+            println!("{:#}", Value::Array(self.objects));
+        }
+    }
+}
+
+/// Measures both and prints one table.
+///
+/// # Errors
+///
+/// If the firmware does not build or run, or model-core computes other bits than on the host.
+fn beside_peer(bench: &Bench, output: &mut Output) -> Result<(), Error> {
+    let scene = crate::on_target::native::scene("contact-separation", &SMOOTH, 0.0)?;
+    let case = |method, steps| Case::of_scene("smooth", &scene, method, steps);
+    let ours = SMOOTH_TOLERANCES.map(|value| case("model-core, exponential Radau", Steps::Tolerance(value)));
+    let explicit = case("model-core, Runge-Kutta 4", Steps::Fixed(SMOOTH_STEP));
+    let peer = peer::TOLERANCES.map(|value| case("numeris 0.6, RODAS4", Steps::Tolerance(value)));
+    let cases = ours.into_iter().chain([explicit]).chain(peer).collect::<Result<Vec<_>, _>>()?;
+    let found = rows::measure(bench, &const { named("peer::smooth") }, cases)?;
+    let columns = [rows::METHOD, rows::SETTING, rows::STEPS, rows::ERROR, rows::PER_STEP, rows::PER_SECOND];
+    let note = format!(
+        "{}. Contact-separation without impacts, 22 Hz, 0.2 g, {} s from rest, both in f32.
+Error: of the mean power against the independent reference. numeris has the energy as a fourth state, and time as a
+fifth in place of the derivative by time. Instructions as QEMU executes them, which are not cycles.",
+        bench.core(),
+        scene.run.duration_s,
+    );
+    output.rows(&found, &columns, 2, &note);
+    Ok(())
 }

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use super::files::Outputs;
 use super::fit::folder;
-use super::storage_voltage::StorageVoltage;
-use super::{NODE, SceneArguments, check_keys, count, json_text, one_more, print, progress, tell};
+use super::{
+    NODE, SceneArguments, StorageVoltage, check_keys, count, json_text, one_more, print, progress, tell,
+};
 use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
 use crate::name::Name;

@@ -2,18 +2,23 @@
 
 use std::path::PathBuf;
 
+use serde_json::json;
+
 use super::files::Outputs;
-use super::storage_voltage::StorageVoltage;
 use super::watch::Watch;
-use super::{NODE, SceneArguments, check_overrides, count, one_more, print, progress, tell};
+use super::{
+    NODE, SceneArguments, StorageVoltage, Unused, check_overrides, count, one_more, print, progress, tell,
+};
 use crate::accuracy::{imbalance, run_with_accuracy, tell_warnings};
 use crate::attractors::add_branches;
-use crate::method::{Failure, Options};
+use crate::closed_form::estimate;
+use crate::method::{Failure, Options, Precision};
 use crate::motion::{self, Series};
+use crate::outcome::{Format, fields, text};
 use crate::report::setting::{margin, setting};
 use crate::resolution::remarks;
 use crate::run::run_scene;
-use crate::scene_file::{self, Scene};
+use crate::scene_file::{self, Override, Scene};
 use crate::seeds::{self, Statistics};
 
 #[derive(Debug, Clone, clap::Args)]
@@ -117,4 +122,41 @@ fn run_seeds(arguments: &RunArguments, scene: &Scene, options: &Options, count: 
     let found = found?;
     tell_warnings(&found.stated);
     print(&found.text(arguments.scene.format)?)
+}
+
+/// Keys that a closed form does not use.
+const UNUSED_BY_CLOSED_FORM: [Unused; 4] = [
+    NODE,
+    ("excitation.phase_rad", "a closed form is that of the steady motion"),
+    ("run", "a closed form is that of the steady motion"),
+    ("initial", "a closed form is that of the steady motion"),
+];
+
+#[derive(Debug, Clone, clap::Args)]
+pub struct ClosedFormArguments {
+    /// Scene file
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Precision of the closed form
+    #[arg(long, value_enum, default_value = "f64")]
+    precision: Precision,
+    /// Output format
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<Override>,
+    #[command(flatten)]
+    storage_voltage: StorageVoltage,
+}
+
+/// Prints the closed form of the scene.
+pub fn run_closed_form(arguments: &ClosedFormArguments) -> Result<(), Failure> {
+    let mut scene = scene_file::read(&arguments.scene, &arguments.overrides)?;
+    check_overrides(&arguments.overrides, &arguments.storage_voltage.unused(&UNUSED_BY_CLOSED_FORM))?;
+    arguments.storage_voltage.hold(&mut scene)?;
+    let found = estimate(&scene, arguments.precision)?;
+    let mut named = fields(&json!({ "scene": scene.name() }));
+    named.extend(found.fields());
+    print(&text(&named, arguments.format))
 }

@@ -3,7 +3,6 @@
 mod axis;
 pub(super) mod picture;
 mod rows;
-mod shooting;
 mod told;
 
 use std::path::{Path, PathBuf};
@@ -15,11 +14,9 @@ use serde_json::json;
 pub use self::axis::Axis;
 use self::picture::{Quantity, Words, picture};
 use self::rows::{ROWS, Rows};
-use self::shooting::{Compared, compared};
 use self::told::{best, doubt, is_of_accuracy, told_best, warnings};
 use super::files::{Outputs, make_folder};
-use super::storage_voltage::StorageVoltage;
-use super::{NODE, SceneArguments, check_keys, is_quiet, note, print, progress, tell};
+use super::{NODE, SceneArguments, StorageVoltage, check_keys, is_quiet, note, print, progress, tell};
 use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
 use crate::method::{Failure, Options};
@@ -30,6 +27,7 @@ use crate::rows::{Column, Digits};
 use crate::run::{run_scene, stopped_as_text};
 use crate::scene_file::{self, Override, Scene};
 use crate::stability::{build, fnv_1a};
+use told::{Compared, compared};
 
 /// Most points of a grid.
 const MOST: usize = 1_000_000;
@@ -115,18 +113,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         .collect();
     bar.finish_and_clear();
     let points = points?;
-    if let Some(costs) = shooting::told(points.iter().filter_map(|point| point.compared.as_ref())) {
-        note(&costs);
-    }
-    for warning in warnings(axes, &points) {
-        tell(&format!("warning: {warning}"));
-    }
-    if let (Format::Table, false, Some(best)) = (arguments.scene.format, is_quiet(), best(&points)) {
-        note(&told_best(axes, best));
-        if let Some(doubt) = doubt(arguments, &options, best) {
-            tell(&format!("warning: {doubt}"));
-        }
-    }
+    tell_of(arguments, &options, &points);
     if let Some(folder) = &arguments.output {
         write(arguments, folder, &outputs, &points)?;
     }
@@ -140,6 +127,23 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         rows.remove();
     }
     none_failed(axes, &points)
+}
+
+/// Tells on standard error of all points: the costs, the warnings, and the best point.
+fn tell_of(arguments: &SweepArguments, options: &Options, points: &[Point]) {
+    let axes = &arguments.axes;
+    if let Some(costs) = told::costs(points.iter().filter_map(|point| point.compared.as_ref())) {
+        note(&costs);
+    }
+    for warning in warnings(axes, points) {
+        tell(&format!("warning: {warning}"));
+    }
+    if let (Format::Table, false, Some(best)) = (arguments.scene.format, is_quiet(), best(points)) {
+        note(&told_best(axes, best));
+        if let Some(doubt) = doubt(arguments, options, best) {
+            tell(&format!("warning: {doubt}"));
+        }
+    }
 }
 
 /// Refuses a new folder with the name of a file.

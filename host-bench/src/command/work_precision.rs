@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::{NODE, check_overrides, json_text, one_more, print, progress};
+use super::files::{Outputs, make_folder, report_folder};
+use super::{NODE, SHIPPED_SCENES, check_overrides, json_text, note, one_more, print, progress};
 use crate::method::Failure;
 use crate::outcome::Format;
+use crate::report::report;
 use crate::scene_file::{self, Model, Override, Scene};
 use crate::work_precision::grid::{self, Grid};
 use crate::work_precision::{self, Comparison, Extent, table};
@@ -194,4 +196,22 @@ pub(super) fn compare(scenes: &[Scene], extent: &Extent) -> Result<Vec<Compariso
         scenes.iter().map(|scene| work_precision::compare(scene, extent, || bar.inc(1))).collect();
     bar.finish_and_clear();
     comparisons
+}
+
+/// The page of the report.
+const PAGE: &str = "index.html";
+
+/// Runs the short comparison, prints it and writes the report.
+pub fn run_default() -> Result<(), Failure> {
+    let scenes = shipped(&[], &Extent::SHORT)?;
+    let (outputs, folder) = (Outputs::of_shipped(SHIPPED_SCENES), report_folder());
+    outputs.check_in("", &folder, &[PAGE])?;
+    let comparisons = compare(&scenes, &Extent::SHORT)?;
+    print(&table::text(&comparisons))?;
+    let page = report(&comparisons)?;
+    make_folder(&folder)?;
+    let file = folder.join(PAGE);
+    outputs.write(&file, &page)?;
+    note(&format!("report: {}", file.display()));
+    Ok(())
 }

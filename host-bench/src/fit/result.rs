@@ -21,7 +21,7 @@ use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::{Format, fields, small};
 use crate::rows::{Column, Digits, Rows};
-use crate::seeds::student::quantile;
+use crate::seeds::quantile;
 
 /// Probability of the intervals.
 const CONFIDENCE: f64 = 0.95;

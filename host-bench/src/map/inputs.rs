@@ -14,7 +14,7 @@ use super::axes::amplitude_of;
 use crate::method::{Failure, Options};
 use crate::run::run_scene;
 use crate::scene_file::{Excitation, Load, RunSpan, Scene, Trace};
-use crate::stability::random::source::Source;
+use crate::stability::random::Source;
 
 /// Samples of a section and sections of a block, as in the firmware.
 const SECTION: usize = 80;

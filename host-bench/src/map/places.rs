@@ -4,7 +4,7 @@ use super::axes::{Axes, amplitude_of, level_of};
 use super::column::BEYOND;
 use crate::embedded::Held;
 use crate::method::Failure;
-use crate::stability::random::source::Source;
+use crate::stability::random::Source;
 
 /// Ratio of an amplitude to the next on the way to the place, in levels: a quarter of an octave.
 const STEP: f64 = 512.0;

@@ -1,7 +1,6 @@
 //! The cut scene as a Rust module for firmware: types, constants, method and step.
 
 mod component;
-mod excitation;
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -13,7 +12,7 @@ use super::numerics::{Control, Setting};
 use super::part::Part;
 use crate::method::{Failure, Method, Precision};
 use crate::name::Name;
-use crate::scene_file::{BumpStop, ContactSeparation, Coupling, Model, Scene, Sliding, StickCharge};
+use crate::scene_file::{BumpStop, ContactSeparation, Coupling, Load, Model, Scene, Sliding, StickCharge};
 use model_core::clock::Instant;
 
 /// Modules of the library with the names that a scene may use.
@@ -124,7 +123,7 @@ pub fn start() -> {start_type} {{
 }}
 "
         );
-        text += &excitation::source(&self.scene.excitation);
+        text += &component::source(&self.scene.excitation);
         Ok(format!("{}{}{text}", self.head(), self.imports(&text)))
     }
 
@@ -317,13 +316,7 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
 
     fn bump_stop(&self, model: &BumpStop) -> Pieces {
         let from = &model.parameters;
-        let circuit = match bridge(self.scene.load) {
-            Some((bridge, _)) => bridge,
-            None => {
-                let Component { of_type, value } = load(self.scene.load);
-                Component { of_type: format!("Resistive<{of_type}>"), value: format!("Resistive({value})") }
-            }
-        };
+        let circuit = circuit(self.scene.load);
         let coupling = match from.coupling {
             Coupling::TwoWay => unit("TwoWay"),
             Coupling::OneWay => unit("OneWay"),
@@ -339,14 +332,6 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
         let (short, long) = match self.setting.control {
             Control::ShortAndLong([short, long]) => (short, long),
             Control::FixedStep(step) | Control::Tolerance(step) => (step, step),
-        };
-        let layer = |thickness: f64, young_modulus: f64, density: f64| {
-            format!(
-                "Layer {{ thickness: {}, young_modulus: {}, density: {} }}",
-                number(thickness),
-                number(young_modulus),
-                number(density)
-            )
         };
         let substrate = layer(
             from.substrate_thickness_m,
@@ -369,12 +354,6 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
         ];
         let layers = format!("    substrate: {substrate},\n    piezo: {piezo},\n{choices}");
         let initial = &model.initial;
-        let pairs = |displacements: &[f64], velocities: &[f64]| {
-            let pairs = displacements.iter().zip(velocities);
-            let pairs: Vec<String> =
-                pairs.map(|(x, v)| format!("[{}, {}]", number(*x), number(*v))).collect();
-            pairs.join(", ")
-        };
         Pieces {
             parameters: parameters(&numbers, &layers),
             choices_type,
@@ -393,6 +372,28 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
             start_type: format!("Start<f32, {beam}, {rod}>"),
         }
     }
+}
+
+/// The circuit at the terminals of a piezoelectric layer.
+fn circuit(of: Load) -> Component {
+    if let Some((bridge, _)) = bridge(of) {
+        return bridge;
+    }
+    let Component { of_type, value } = load(of);
+    Component { of_type: format!("Resistive<{of_type}>"), value: format!("Resistive({value})") }
+}
+
+/// A layer of the beam as Rust source.
+fn layer(thickness: f64, young_modulus: f64, density: f64) -> String {
+    let [thickness, young_modulus, density] = [thickness, young_modulus, density].map(number);
+    format!("Layer {{ thickness: {thickness}, young_modulus: {young_modulus}, density: {density} }}")
+}
+
+/// Displacement and velocity of each mode at the start as Rust source.
+fn pairs(displacements: &[f64], velocities: &[f64]) -> String {
+    let pairs = displacements.iter().zip(velocities);
+    let pairs: Vec<String> = pairs.map(|(x, v)| format!("[{}, {}]", number(*x), number(*v))).collect();
+    pairs.join(", ")
 }
 
 /// The field `choices` of parameters.

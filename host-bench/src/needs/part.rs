@@ -2,7 +2,7 @@
 
 use crate::outcome::Outcome;
 use crate::scene_file::{
-    Contact, Coupling, Draw, ForceLaw, Load, Model, Restitution, Scene, StickCharge, StopParameters,
+    BumpStop, Contact, Coupling, Draw, ForceLaw, Load, Model, Restitution, Scene, StickCharge, StopParameters,
 };
 
 /// A part of a scene that can be left out, with what stands in for it.
@@ -109,34 +109,36 @@ impl Part {
                     _ => {}
                 }
             }
-            Model::BumpStop(model) => {
-                let initial = &mut model.initial;
-                match self {
-                    Self::BeamModes(kept) => {
-                        model.parameters.beam_modes = kept;
-                        initial.modal_displacement.truncate(kept);
-                        initial.modal_velocity.truncate(kept);
-                    }
-                    Self::TwoWayCoupling => model.parameters.coupling = Coupling::OneWay,
-                    Self::Stop => model.stop = None,
-                    _ => {}
-                }
-                if let Some(body) = &mut model.parameters.tip_mass {
-                    match self {
-                        Self::RotaryInertia => body.rotary_inertia_kg_m2 = 0.0,
-                        Self::TipMassOffset => body.offset_m = 0.0,
-                        _ => {}
-                    }
-                }
-                if let Self::Rod | Self::Stop | Self::RodModes(_) = self {
-                    let kept = if let Self::RodModes(kept) = self { kept } else { 0 };
-                    initial.rod_modal_displacement.truncate(kept);
-                    initial.rod_modal_velocity.truncate(kept);
-                }
-                if let Some(stop) = &mut model.stop {
-                    self.leave_out_of_stop(stop);
-                }
+            Model::BumpStop(model) => self.leave_out_of_beam(model),
+        }
+    }
+
+    fn leave_out_of_beam(self, model: &mut BumpStop) {
+        let initial = &mut model.initial;
+        match self {
+            Self::BeamModes(kept) => {
+                model.parameters.beam_modes = kept;
+                initial.modal_displacement.truncate(kept);
+                initial.modal_velocity.truncate(kept);
             }
+            Self::TwoWayCoupling => model.parameters.coupling = Coupling::OneWay,
+            Self::Stop => model.stop = None,
+            _ => {}
+        }
+        if let Some(body) = &mut model.parameters.tip_mass {
+            match self {
+                Self::RotaryInertia => body.rotary_inertia_kg_m2 = 0.0,
+                Self::TipMassOffset => body.offset_m = 0.0,
+                _ => {}
+            }
+        }
+        if let Self::Rod | Self::Stop | Self::RodModes(_) = self {
+            let kept = if let Self::RodModes(kept) = self { kept } else { 0 };
+            initial.rod_modal_displacement.truncate(kept);
+            initial.rod_modal_velocity.truncate(kept);
+        }
+        if let Some(stop) = &mut model.stop {
+            self.leave_out_of_stop(stop);
         }
     }
 

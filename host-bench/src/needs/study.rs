@@ -1,9 +1,10 @@
 //! The run of the full scene, and what other scenes change against it.
 
-use super::change::{Change, Corner, apart, corner_name};
-use super::cycles::{cycles, over_cycles, run_cycles, switches, with_cycles};
+use super::change::{
+    Change, Corner, FEWEST_RUNS, Sampled, apart, corner_name, cycles, mean, over_cycles, relative_deviation,
+    run_cycles, switches, with_cycles,
+};
 use super::part::Part;
-use super::sampled::{FEWEST_RUNS, Sampled, mean, relative_deviation};
 use crate::accuracy::{MOST_HALVINGS, imbalance, run_as_it_is, run_with_steps};
 use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
 use crate::method::{Failure, Options, Precision};

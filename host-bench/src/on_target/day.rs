@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use firmware_example::node::day::Minute;
+use firmware_example::node::plant::Minute;
 use model_core::clock::Instant;
 use model_core::energy::PowerMeter;
 use model_core::excitation::{Sine, Tones};
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use super::Error;
 use crate::embedded::contact_separation_parameters;
 use crate::scene_file;
-use crate::stability::random::source::Source;
+use crate::stability::random::Source;
 
 /// What shakes the harvester in a minute: amplitudes in mm/s² and frequencies in mHz of two lines.
 pub type Lines = [[u16; 2]; 2];

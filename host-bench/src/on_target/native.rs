@@ -1,11 +1,14 @@
 //! The firmware's workloads on the host, and the comparison of their bits with a core's.
 
-use firmware_example::variant::Variant;
-use firmware_example::workload::{Progress, Visit, Workload as Native};
+use firmware_example::workload::bump_stop::{BEAM_MODES, ROD_MODES};
+use firmware_example::workload::run::{ENERGY, Plan};
+use firmware_example::workload::{Progress, Variant, Visit, Workload as Native};
 
-use super::core::Core;
 use super::decode::Sample;
+use super::qemu::Core;
 use super::{Error, Workload};
+use crate::reference::{self, ReferenceOptions};
+use crate::scene_file::{self, Excitation, Model, RunSpan, Scene, Tone};
 
 /// Runs a workload to its end and gives its samples. A host's run has no ticks.
 ///
@@ -89,4 +92,98 @@ fn compare_one(core: Core, measured: &Workload, native: &mut dyn Native) -> Resu
         }
     }
     Ok(())
+}
+
+/// A shipped scene under the excitation and from the velocity of `plan`, measured from `settle_s` to the plan's end.
+///
+/// # Errors
+///
+/// If the shipped scene cannot be read.
+pub fn scene(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
+    let file = scene_file::shipped(name);
+    let mut scene = scene_file::read(&file, &[]).map_err(|error| Error::Host(error.to_string()))?;
+    scene.excitation = Excitation::Sine(Tone {
+        amplitude_m_per_s2: f64::from(plan.amplitude),
+        frequency_hz: f64::from(plan.frequency),
+        phase_rad: 0.0,
+    });
+    scene.run = RunSpan { duration_s: plan.seconds(), settle_s };
+    let velocity = Some(f64::from(plan.velocity));
+    match &mut scene.model {
+        Model::ContactSeparation(model) => model.initial.velocity_m_per_s = velocity,
+        Model::Sliding(model) => model.initial.velocity_m_per_s = velocity,
+        Model::BumpStop(_) => {}
+    }
+    Ok(scene)
+}
+
+/// The shipped bump-stop scene, as in [`scene`], with the firmware's numbers of modes and a gap in m between beam and rod.
+///
+/// # Errors
+///
+/// If the shipped scene cannot be read.
+pub fn bump_stop(plan: &Plan, gap: f32, settle_s: f64) -> Result<Scene, Error> {
+    let mut scene = scene("bump-stop", plan, settle_s)?;
+    if let Model::BumpStop(model) = &mut scene.model {
+        model.parameters.beam_modes = BEAM_MODES;
+        if let Some(stop) = &mut model.stop {
+            (stop.rod_modes, stop.gap_m) = (ROD_MODES, f64::from(gap));
+        }
+    }
+    Ok(scene)
+}
+
+/// The mean power of the reference of a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct Reference {
+    /// Mean power from the settling time on, in W.
+    pub(crate) power: f64,
+    /// The settling time in microseconds.
+    pub(crate) settle_us: u64,
+}
+
+impl Reference {
+    /// Runs the reference of `scene`.
+    ///
+    /// # Errors
+    ///
+    /// If the run fails.
+    pub fn new(scene: &Scene) -> Result<Self, Error> {
+        let outcome = reference::run(scene, &ReferenceOptions::default())
+            .map_err(|failure| Error::Host(failure.to_string()))?;
+        let power = outcome.mean_power_w;
+        let power = power.ok_or_else(|| Error::Host("the reference has no mean power".to_owned()))?;
+        Ok(Self { power, settle_us: (scene.run.settle_s * 1e6).round() as u64 })
+    }
+
+    /// Relative error of the mean power of a workload with these samples; `None` where no power is delivered.
+    #[must_use]
+    pub fn power_error(&self, samples: &[Sample]) -> Option<f64> {
+        self.error_of(mean_power(samples, self.settle_us))
+    }
+
+    /// Relative error of a mean power in W; `None` where no power is delivered.
+    #[must_use]
+    pub fn error_of(&self, power: f64) -> Option<f64> {
+        self.ratio(power).map(|ratio| (ratio - 1.0).abs())
+    }
+
+    /// Relative error of the RMS voltage, whose square is the mean power times the load's resistance.
+    #[must_use]
+    pub fn voltage_error(&self, samples: &[Sample]) -> Option<f64> {
+        self.ratio(mean_power(samples, self.settle_us)).map(|ratio| (ratio.sqrt() - 1.0).abs())
+    }
+
+    fn ratio(&self, power: f64) -> Option<f64> {
+        (self.power != 0.0 || power != 0.0).then(|| power / self.power)
+    }
+}
+
+/// Mean power in W from the sample at `from_us`, or from the start at 0, to the last sample.
+fn mean_power(samples: &[Sample], from_us: u64) -> f64 {
+    let energy =
+        |sample: &Sample| sample.bits.get(ENERGY).map_or(f64::NAN, |&bits| f64::from(f32::from_bits(bits)));
+    let start = samples.iter().find(|sample| sample.simulated_us == from_us).map_or(0.0, energy);
+    let end = samples.last().map_or((f64::NAN, 0), |sample| (energy(sample), sample.simulated_us));
+    (end.0 - start) / (end.1.saturating_sub(from_us) as f64 * 1e-6)
 }

@@ -5,9 +5,9 @@ use std::time::Duration;
 use firmware_example::node::{Count, End, Entry, LOSSES, NoMeter, Part, World, cycle};
 
 use super::build::Binary;
-use super::core::Core;
-use super::size::Size;
-use super::{Error, Firmware, decode, decoder, qemu};
+use super::image::Size;
+use super::qemu::Core;
+use super::{Error, Firmware, decode, qemu};
 
 /// The processor of the node on `core`.
 #[must_use]
@@ -139,7 +139,7 @@ pub fn bare(core: Core, by_voltage: bool, time_limit: Duration) -> Result<Bare, 
     let size = Firmware::build(core, of("node_bare"))?.check()?;
     let firmware = Firmware::build(core, of("node_stack"))?;
     let log = qemu::run(core, &firmware.path, time_limit)?;
-    let lines = decoder::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
+    let lines = super::decode::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
     let count = |name: &str| {
         let found = lines.iter().find_map(|line| line.strip_prefix(name)?.parse::<u64>().ok());
         found.ok_or_else(|| Error::on(core, decode::Error::Incomplete))
@@ -178,7 +178,7 @@ pub fn follow(core: Core, time_limit: Duration) -> Result<Followed, Error> {
     let size = firmware.check()?;
     let bare = bare(core, false, time_limit)?;
     let log = qemu::run(core, &firmware.path, time_limit)?;
-    let messages = decoder::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
+    let messages = super::decode::messages(&firmware.path, &log).map_err(|error| Error::on(core, error))?;
     let (counts, found): (Vec<_>, Vec<_>) =
         messages.into_iter().partition(|message| message.starts_with("count "));
 

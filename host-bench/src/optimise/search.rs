@@ -8,10 +8,10 @@ use rayon::prelude::*;
 use super::{Found, Point, Request};
 use crate::accuracy::run_as_it_is;
 use crate::attractors::add_branches;
-use crate::doubt::Best;
 use crate::embedded;
 use crate::method::Failure;
 use crate::outcome::Outcome;
+use crate::shift::Best;
 
 /// Best points of the grid from which the search goes on.
 const FOLLOWED: usize = 3;

@@ -6,9 +6,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde::{Deserialize, Serialize};
 
 use super::Case;
-use super::chaos::{Comparison, Ensemble};
 use super::exact::{
-    Numbers, Quantity, REFERENCE_TOLERANCE, by_reference, reference_repeats, relative, tighter,
+    Comparison, Ensemble, Numbers, Quantity, REFERENCE_TOLERANCE, by_reference, reference_repeats, relative,
+    tighter,
 };
 use super::twin::{POWER, rescaled, split_error};
 use crate::accuracy::run_with_steps;

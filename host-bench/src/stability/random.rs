@@ -1,10 +1,8 @@
 //! Random scenes: over the whole range of the bounds, and of stated features. A case follows from a seed and its number alone.
 
 mod feature;
-pub(crate) mod source;
 
-pub use self::feature::draw_varied;
-use self::source::Source;
+pub use self::feature::{Source, draw_varied};
 use super::Case;
 use crate::method::Precision;
 

@@ -3,8 +3,7 @@
 
 use serde_json::{Value, json};
 
-use super::table::{Cell, Column, grouped, reason, shown};
-use super::variant::microseconds;
+use super::table::{Cell, Column, grouped, microseconds, reason, shown};
 use super::{Comparison, Control, Errors, Extent, Kind, Variant, relative};
 use crate::method::{Method, Precision};
 use crate::outcome::{BumpStopOutcome, Outcome, name};

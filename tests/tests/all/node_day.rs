@@ -2,7 +2,7 @@
 //!
 //! That its log on a microcontroller is that of the host is checked by `host-bench on-target --node`.
 
-use firmware_example::node::day::{DAY, SECONDS, income};
+use firmware_example::node::plant::{DAY, SECONDS, income};
 use firmware_example::node::{Entry, LOSSES, Part, Work};
 use host_bench::on_target::day;
 use host_bench::on_target::node::{Native, calls, native, same_day};

@@ -83,7 +83,7 @@ fn bump_stop_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
 
     let firmware = states_of(bench);
     assert_eq!(firmware[0].len(), 4);
-    assert_eq!([any(IMPACTING, bump_stop::parts::GAP, [SHORT, LONG])], firmware[..]);
+    assert_eq!([any(IMPACTING, bump_stop::GAP, [SHORT, LONG])], firmware[..]);
     assert_eq!(any(TOUCHING, 0.0, TOUCHING_STEPS), states_of(others)[0]);
 }
 

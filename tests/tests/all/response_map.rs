@@ -1,7 +1,7 @@
 //! The response map in the firmware: of the harvester in the firmware, and what the full model yields.
 
 use cross_crate_tests::contact_separation;
-use firmware_example::workload::contact_separation::parts;
+use firmware_example::workload::contact_separation::loaded;
 use firmware_example::workload::response_map::contact_separation::{FINGERPRINT, MAP};
 use host_bench::embedded::{self, with_held};
 use host_bench::map::{Request, Step, map};
@@ -14,7 +14,7 @@ use model_core::snapshot::Fingerprint;
 #[test]
 fn the_map_is_of_the_scene_with_the_parts_of_the_firmware_and_of_no_other() {
     let fingerprint = |resistance| {
-        let scene = parts::loaded(resistance).build().expect("valid");
+        let scene = loaded(resistance).build().expect("valid");
         let mut fingerprint = Fingerprint::new();
         Scene::<f32, 3, 0>::identify(&scene, &mut fingerprint);
         fingerprint.value()

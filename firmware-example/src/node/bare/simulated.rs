@@ -8,10 +8,9 @@ use model_core::node::{Gap, Task, Tier, VoltageNode, Wake};
 use model_core::snapshot::{image_size, newest_image, save_image};
 
 use super::{BY_VOLTAGE, PAGE, Register, Registers, run};
-use crate::counter::Counter;
+use crate::measure::Counter;
 use crate::node::IMAGE_BYTES;
 use crate::node::parts::{ACTIONS, BURST, NODE, Part, RATE};
-use crate::stack;
 use crate::stop::{Code, stop};
 
 /// Seconds of a life of the node; then it starts again from its image.
@@ -182,11 +181,11 @@ impl Registers for Simulated {
 
 /// Runs the program, and logs its deepest stack and what of it is known by its type, in bytes; then each kind of call.
 pub fn measure() -> ! {
-    stack::paint();
+    crate::measure::paint();
     for life in 1..=LIVES {
         run::<Simulated>(|second| second >= life * LIFE);
     }
-    let stack = stack::deepest();
+    let stack = crate::measure::deepest();
     if BY_VOLTAGE {
         calls::<_, VOLTAGE_BYTES>(&NODE, stack);
     } else {
@@ -206,14 +205,14 @@ struct Calls {
 
 impl Calls {
     fn time(&mut self, counter: &Counter, mut call: impl FnMut()) {
-        stack::paint();
+        crate::measure::paint();
         let before = counter.ticks();
         call();
         let ticks = counter.ticks() - before;
         self.number += 1;
         self.ticks += ticks;
         self.largest = self.largest.max(ticks);
-        self.stack = self.stack.max(stack::deepest());
+        self.stack = self.stack.max(crate::measure::deepest());
     }
 }
 

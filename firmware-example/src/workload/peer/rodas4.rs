@@ -9,7 +9,7 @@ use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use numeris::ode::{AdaptiveSettings, RODAS4, Rosenbrock};
 use numeris::{Matrix, Vector};
 
-use crate::workload::contact_separation::{SMOOTH, parts};
+use crate::workload::contact_separation::{SMOOTH, whole};
 use crate::workload::run::Plan;
 use crate::workload::{Progress, Workload};
 
@@ -46,7 +46,7 @@ struct Circuit {
 
 impl Model {
     fn new(plan: Plan) -> Self {
-        let from = parts::whole();
+        let from = whole();
         let angular_frequency = (from.stiffness / from.mass).sqrt();
         let area = VACUUM_PERMITTIVITY * from.electrode_area;
         let unit = (2.0 * area * from.mass).sqrt();

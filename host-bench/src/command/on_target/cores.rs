@@ -2,14 +2,12 @@
 
 use std::time::Duration;
 
-use firmware_example::variant::{Variant, named};
-use firmware_example::workload::{bump_stop, contact_separation, sliding};
+use firmware_example::workload::{Variant, bump_stop, contact_separation, named, sliding};
 
-use super::bench;
-use super::output::Output;
 use super::rows::{self, Case, Column, RADAU, Row, Steps};
-use crate::on_target::core::Core;
-use crate::on_target::{Error, accuracy};
+use super::{Output, bench};
+use crate::on_target::Error;
+use crate::on_target::qemu::Core;
 use crate::scene_file::{Draw, ForceLaw, Load, Model, RectifiedStore};
 
 /// Settling time of the bump-stop runs in seconds: their first sample.
@@ -59,9 +57,9 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
 
 /// The bench of each scene.
 fn benches() -> Result<[(Variant, Case); 3], Error> {
-    let contact = accuracy::scene("contact-separation", &contact_separation::IMPACTING, 0.0)?;
-    let slide = accuracy::scene("sliding", &sliding::SLIDING, 0.0)?;
-    let bump = accuracy::bump_stop(&bump_stop::IMPACTING, bump_stop::GAPS[1], SETTLE_S)?;
+    let contact = crate::on_target::native::scene("contact-separation", &contact_separation::IMPACTING, 0.0)?;
+    let slide = crate::on_target::native::scene("sliding", &sliding::SLIDING, 0.0)?;
+    let bump = crate::on_target::native::bump_stop(&bump_stop::IMPACTING, bump_stop::GAPS[1], SETTLE_S)?;
     let tolerance = Steps::Tolerance(contact_separation::TOLERANCE);
     let steps = Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG]);
     Ok([
@@ -83,7 +81,8 @@ fn benches() -> Result<[(Variant, Case); 3], Error> {
 /// The runs beside the benches, and the builds of the coefficients.
 fn others() -> Result<[(Variant, Vec<Case>); 4], Error> {
     let [capacitance, initial_v, diode_drop] = contact_separation::STORAGE.map(f64::from);
-    let mut charging = accuracy::scene("contact-separation", &contact_separation::PASSIVE, 0.0)?;
+    let mut charging =
+        crate::on_target::native::scene("contact-separation", &contact_separation::PASSIVE, 0.0)?;
     if let Model::ContactSeparation(model) = &mut charging.model {
         model.parameters.force_law = ForceLaw::GapField;
     }
@@ -94,9 +93,9 @@ fn others() -> Result<[(Variant, Vec<Case>); 4], Error> {
         initial_v,
         draw: Draw::None,
     });
-    let checked = accuracy::bump_stop(&bump_stop::CHECKED, bump_stop::GAPS[1], SETTLE_S)?;
-    let stick_slip = accuracy::scene("sliding", &sliding::STICK_SLIP, 0.0)?;
-    let touching = accuracy::bump_stop(&bump_stop::TOUCHING, 0.0, SETTLE_S)?;
+    let checked = crate::on_target::native::bump_stop(&bump_stop::CHECKED, bump_stop::GAPS[1], SETTLE_S)?;
+    let stick_slip = crate::on_target::native::scene("sliding", &sliding::STICK_SLIP, 0.0)?;
+    let touching = crate::on_target::native::bump_stop(&bump_stop::TOUCHING, 0.0, SETTLE_S)?;
     let (step, tolerance) = (Steps::Fixed(sliding::STEP), Steps::Tolerance(sliding::TOLERANCE));
     let steps = Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG]);
     let of_storage = Steps::Tolerance(contact_separation::TOLERANCE);

@@ -3,16 +3,15 @@
 use std::time::Duration;
 
 use firmware_example::node::parts::{BURST, RATE};
-use firmware_example::node::{Entry, IMAGE_BYTES, Work};
+use firmware_example::node::{Entry, IMAGE_BYTES, State, Work};
 use harvester_scene::market::{self, Accelerometer, Code, CostModel, Evidence, Processor};
 use model_core::node::IncomeOfTime;
 use serde_json::{Value, json};
 
-use super::announce;
-use super::output::Output;
+use super::{Output, announce};
 use crate::on_target::Error;
-use crate::on_target::core::Core;
 use crate::on_target::node::{self, Bare, Call, Followed, calls};
+use crate::on_target::qemu::Core;
 
 /// Runs the node of each core.
 ///
@@ -110,13 +109,42 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
     let clock = |second: u32| format!("{:02}:{:02}", second / 3600, second % 3600 / 60);
     let mut rows: Vec<Vec<String>> = hours.iter().map(|hour| hour.cells(clock(hour.end))).collect();
     rows.push(all.cells("the day".to_owned()));
+    let note = day_note(core, found, &hours, last, &all);
+    let header = vec!["until", "told", "bound", "true", "error", "inside"];
+    output.table(header, rows, 1, &note);
+    hours.iter().for_each(|hour| output.object(hour.json(core, "hour")));
+    let Bare { size: bare, memory, .. } = &found.bare;
+    let mut day = all.json(core, "day");
+    let more = json!({
+        "readings": last.instruments[0],
+        "bursts": last.instruments[1],
+        "share_of_income": f64::from(last.knowing) / all.income,
+        "losses_of_power": found.losses,
+        "flash_bytes": bare.flash,
+        "ram_bytes": bare.static_ram,
+        "flash_bytes_with_plant": found.size.flash,
+        "ram_bytes_with_plant": found.size.static_ram,
+        "stack_bytes": memory.stack,
+        "ram_with_stack_bytes": bare.static_ram + memory.stack,
+        "state_bytes": memory.state,
+        "stack_bytes_with_plant": found.stack,
+        "image_bytes": IMAGE_BYTES,
+    });
+    if let (Value::Object(day), Value::Object(more)) = (&mut day, more) {
+        day.extend(more);
+    }
+    output.object(day);
+}
+
+/// What stands below the hours of a day.
+fn day_note(core: Core, found: &Followed, hours: &[Told], last: &State, all: &Told) -> String {
     let with_income = hours.iter().filter(|hour| hour.income > 0.0);
     let inside = hours.iter().filter(|hour| hour.is_inside()).count();
     let [readings, bursts] = last.instruments;
     let [measured, transmitted] = last.ran;
     let Bare { size: bare, memory, .. } = &found.bare;
     let ram = bare.static_ram + memory.stack;
-    let note = format!(
+    format!(
         "{core}. Income in uW until that time of the day, told with its bound, and that of the plant. Inside: {inside} of {} hours, of which
 {} have an income. {readings} readings, {bursts} bursts, {measured} measurements, {transmitted} transmissions.
 By its own books the node spent {:.2} % of the income on knowing it.
@@ -136,30 +164,7 @@ With the log, the simulated memory and the plant: flash {}, static RAM {}, stack
         found.size.flash,
         found.size.static_ram,
         found.stack,
-    );
-    let header = vec!["until", "told", "bound", "true", "error", "inside"];
-    output.table(header, rows, 1, &note);
-    hours.iter().for_each(|hour| output.object(hour.json(core, "hour")));
-    let mut day = all.json(core, "day");
-    let more = json!({
-        "readings": readings,
-        "bursts": bursts,
-        "share_of_income": f64::from(last.knowing) / all.income,
-        "losses_of_power": found.losses,
-        "flash_bytes": bare.flash,
-        "ram_bytes": bare.static_ram,
-        "flash_bytes_with_plant": found.size.flash,
-        "ram_bytes_with_plant": found.size.static_ram,
-        "stack_bytes": memory.stack,
-        "ram_with_stack_bytes": ram,
-        "state_bytes": memory.state,
-        "stack_bytes_with_plant": found.stack,
-        "image_bytes": IMAGE_BYTES,
-    });
-    if let (Value::Object(day), Value::Object(more)) = (&mut day, more) {
-        day.extend(more);
-    }
-    output.object(day);
+    )
 }
 
 /// Income in W by which the share of the node by the voltage is stated, and its readings in an hour: each five minutes, and one at

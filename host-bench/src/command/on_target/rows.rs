@@ -2,11 +2,11 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::on_target::accuracy::Reference;
-use crate::on_target::core::Core;
+use crate::on_target::native::Reference;
+use crate::on_target::qemu::Core;
 use crate::on_target::{Bench, Error, Stretch, Workload};
 use crate::scene_file::{Load, Scene};
-use firmware_example::variant::Variant;
+use firmware_example::workload::Variant;
 
 /// Name of the method of the triboelectric scenes.
 pub(super) const RADAU: &str = "exponential Radau";
