@@ -11,12 +11,13 @@ mod queries;
 pub mod response_map;
 mod storage;
 
+pub use crate::integrate::cubic::Peak;
 pub use account::Account;
 pub use budget::{Action, Budget, BudgetParameters, BudgetState};
 pub use estimator::{Estimate, Estimator, Uncertainty};
 pub use income::IncomeParameters;
 pub use ledger::{Ledger, Residual};
-pub use meter::{Integrals, Peak, PowerMeter, RunMeter, RunReport};
+pub use meter::{Integrals, PowerMeter, RunMeter, RunReport};
 pub use response_map::{Response, ResponseMap};
 pub use storage::{Storage, StorageParameters};
 

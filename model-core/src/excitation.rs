@@ -23,13 +23,13 @@ use crate::scalar::Scalar;
 
 pub use any::{AnyExcitation, Silence};
 pub use burst::Burst;
-pub use density::{DENSITY_FREQUENCY, SPECTRAL_DENSITY, SpectralDensity};
+pub use density::{DENSITY_FREQUENCY, SpectralDensity};
 pub use line_bank::{LineBank, LineBankState, Lines};
 pub use random::{Random, SpectralLine};
 pub use sampled::{AfterLastSample, Sampled};
 pub use sine::{Sine, Tones};
-pub(crate) use stream::is_acceleration;
-pub use stream::{LARGEST_SAMPLE, Stream, StreamError};
+pub(crate) use stream::{LARGEST_SAMPLE, is_acceleration};
+pub use stream::{Stream, StreamError};
 pub use sweep::{Sweep, SweepLaw};
 
 /// The straight line over a step with the mean and the first moment of an acceleration, in m/s².

@@ -71,12 +71,12 @@
 //! lost or a saturated sample count as *uncertain*, and so do those within [`Settings::settling_seconds`] of
 //! a start, the first one included. After a gap these are three decay times of the harvester at least.
 //!
-//! A reading that is not finite, or beyond [`LARGEST_SAMPLE`](crate::excitation::LARGEST_SAMPLE), is a lost sample.
+//! A reading that is not finite, or beyond 10⁶ m/s², is a lost sample.
 //!
 //! # Sampling
 //!
 //! The acceleration between samples is linear, which makes a sine weaker ([`Interpolation`]).
-//! [`Interpolation::DroopCompensated`] corrects that. Below [`LEAST_SAMPLES_PER_PERIOD`] in a resonance period the
+//! [`Interpolation::DroopCompensated`] corrects that. Below four samples in a resonance period the
 //! uncertainty is unknown. [`Estimator::set_rate`] sets the measured rate of a sensor: with a tolerance of
 //! 5 % the power is known to a factor of some hundred;
 //! [`Settings::bias_seconds`] removes gravity and a slow bias; without it gravity counts as acceleration.
@@ -104,7 +104,7 @@ pub use accumulator::EnergyAccumulator;
 use origin::out_of_bounds;
 pub use sample::{Sample, SampleFormat};
 use sampling::Droop;
-pub use sampling::{Interpolation, LEAST_SAMPLES_PER_PERIOD};
+pub use sampling::Interpolation;
 pub use state::State;
 pub use uncertainty::{Estimate, Uncertainty};
 
@@ -253,7 +253,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     }
 
     /// Takes the next sample in m/s², in at most `budget` attempted steps. A sample that is not finite, or above
-    /// [`LARGEST_SAMPLE`](crate::excitation::LARGEST_SAMPLE) in magnitude, is missing.
+    /// 10⁶ m/s² in magnitude, is missing.
     ///
     /// # Errors
     /// As [`Estimator::push`].

@@ -6,6 +6,7 @@
 
 use crate::clock::Instant;
 use crate::integrate::Cubic;
+use crate::integrate::cubic::Peak;
 use crate::observer::{ALL_POWERS, AcceptedStep, Event, Observer, Outputs, PowerIndex};
 use crate::scalar::{CompensatedSum, Scalar};
 use crate::snapshot::snapshot_fields;
@@ -116,34 +117,6 @@ impl<S: Scalar> Observer<S> for PowerMeter<S> {
         {
             self.delivered.add(energy);
         }
-    }
-}
-
-/// The smallest and the largest value of a quantity.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Peak<S> {
-    /// Smallest value; infinite before the first step.
-    pub lowest: S,
-    /// Largest value; minus infinity before the first step.
-    pub highest: S,
-}
-
-impl<S: Scalar> Peak<S> {
-    pub(crate) fn new() -> Self {
-        Self { lowest: S::INFINITY, highest: -S::INFINITY }
-    }
-
-    /// Includes a step with the extrema inside it, of a magnitude of at most `most`.
-    #[inline]
-    pub(crate) fn include(&mut self, cubic: &Cubic<S>, most: S) {
-        self.lowest = cubic.smallest().max(-most).min(self.lowest);
-        self.highest = cubic.largest().min(most).max(self.highest);
-    }
-
-    /// Largest magnitude; 0 before the first step.
-    #[must_use]
-    pub fn magnitude(&self) -> S {
-        self.highest.max(-self.lowest).max(S::ZERO)
     }
 }
 

@@ -47,14 +47,14 @@ mod tests;
 mod words;
 
 pub use coordinate::{
-    AMPLITUDE_OCTAVES, DETUNING_UNIT, FARTHEST, LEVELS_PER_OCTAVE, Spacing, detuning, fixed, level, number,
-    row, row_distance,
+    AMPLITUDE_OCTAVES, FARTHEST, LEVELS_PER_OCTAVE, Spacing, detuning, fixed, level, number, row,
+    row_distance,
 };
 pub use image::{
-    Agreement, BOUNDS, COLUMN_WORDS, COLUMNS, CURRENT, DENSITY_OCTAVES, HEAD, LOWER, MAGIC, MapError, NEAR,
-    NOWHERE, PARTS, POWER_OCTAVES, ROWS, TAIL, UPPER, VERSION, seal,
+    Agreement, BOUNDS, COLUMNS, CURRENT, DENSITY_OCTAVES, HEAD, LOWER, MAGIC, MapError, NEAR, NOWHERE, PARTS,
+    POWER_OCTAVES, ROWS, Stored, TAIL, UPPER, VERSION, seal,
 };
-pub use words::{Bounds, Columns, Part, Stored, Word, Words};
+pub use words::{Bounds, Columns, Part, Word, Words};
 
 use crate::scalar::Scalar;
 use image::Head;

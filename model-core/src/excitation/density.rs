@@ -7,7 +7,7 @@ use crate::scalar::{Mathematics, Scalar, logarithm};
 /// Frequencies of a spectral density in Hz.
 pub const DENSITY_FREQUENCY: Bounds<f64> = Bounds { lowest: 1e-3, highest: 1e5 };
 /// Values of a spectral density in (m/s²)²/Hz.
-pub const SPECTRAL_DENSITY: Bounds<f64> = Bounds { lowest: 1e-12, highest: 1e8 };
+const SPECTRAL_DENSITY: Bounds<f64> = Bounds { lowest: 1e-12, highest: 1e8 };
 
 /// Least quotient of the frequencies of two neighbouring points.
 const LEAST_QUOTIENT: f64 = 1.001;
@@ -26,7 +26,7 @@ impl<'a, S: Scalar> SpectralDensity<'a, S> {
     ///
     /// # Errors
     /// Fewer than two points, a frequency that is not above that of the point before by at least a thousandth, or a number out
-    /// of [`DENSITY_FREQUENCY`] or [`SPECTRAL_DENSITY`]; the error has the index of the point.
+    /// of [`DENSITY_FREQUENCY`] or a density out of 10⁻¹² to 10⁸; the error has the index of the point.
     pub fn new(points: &'a [[S; 2]]) -> Result<Self, ExcitationError> {
         if points.len() < 2 {
             return Err(ExcitationError::TooFewPoints);

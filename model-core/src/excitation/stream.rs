@@ -12,7 +12,7 @@ use crate::snapshot::{Reader, Snapshot, Writer};
 const LEAPS: u32 = 3;
 
 /// The largest magnitude of a sample in m/s²: no sensor measures a hundred thousand times gravity.
-pub const LARGEST_SAMPLE: f64 = 1e6;
+pub(crate) const LARGEST_SAMPLE: f64 = 1e6;
 
 /// Whether `sample` in m/s² is an acceleration: finite and within [`LARGEST_SAMPLE`].
 #[inline]
@@ -63,7 +63,7 @@ pub struct Stream<S> {
 pub enum StreamError {
     /// The rate is not above zero, not finite, above 1 MHz, or below one sample in two years.
     Rate,
-    /// The sample is not finite, or above [`LARGEST_SAMPLE`] in magnitude.
+    /// The sample is not finite, or above 10⁶ m/s² in magnitude.
     Sample,
 }
 
@@ -82,7 +82,7 @@ impl<S: Scalar> Stream<S> {
     /// A stream of `rate` samples per second with its first sample in m/s².
     ///
     /// # Errors
-    /// A rate that is out of range, or a sample that is not finite or above [`LARGEST_SAMPLE`].
+    /// A rate that is out of range, or a sample that is not finite or above 10⁶ m/s².
     pub fn new(rate: S, first: S) -> Result<Self, StreamError> {
         let grid = SampleGrid::new(rate).map_err(|_: ExcitationError| StreamError::Rate)?;
         let interval = grid.whole_ticks_per_sample().ok_or(StreamError::Rate)?;
@@ -95,7 +95,7 @@ impl<S: Scalar> Stream<S> {
     /// Takes the next sample in m/s².
     ///
     /// # Errors
-    /// A sample that is not finite or above [`LARGEST_SAMPLE`]; the stream is then as before.
+    /// A sample that is not finite or above 10⁶ m/s²; the stream is then as before.
     #[inline]
     pub fn push(&mut self, sample: S) -> Result<(), StreamError> {
         if !is_acceleration(sample) {
@@ -123,7 +123,7 @@ impl<S: Scalar> Stream<S> {
     /// [`Stream::known_until`] is then the time of this sample.
     ///
     /// # Errors
-    /// A sample that is not finite or above [`LARGEST_SAMPLE`]; the stream is then as before.
+    /// A sample that is not finite or above 10⁶ m/s²; the stream is then as before.
     pub fn restart(&mut self, missed: u32, sample: S) -> Result<(), StreamError> {
         if !is_acceleration(sample) {
             return Err(StreamError::Sample);
@@ -151,7 +151,7 @@ impl<S: Scalar> Stream<S> {
     ///
     /// # Errors
     /// A rate that is out of range; the stream is then as before.
-    pub fn set_origin(&mut self, rate: S) -> Result<(), StreamError> {
+    pub(crate) fn set_origin(&mut self, rate: S) -> Result<(), StreamError> {
         let ahead = self.newest.wrapping_sub(self.grid.sample_before(self.known_until));
         let Self { grid, interval, .. } = Self::new(rate, S::ZERO)?;
         *self = Self { grid, interval, newest: ahead, samples: self.samples, known_until: Instant::START };

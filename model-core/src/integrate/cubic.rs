@@ -212,6 +212,34 @@ impl<S: Scalar> Cubic<S> {
     }
 }
 
+/// The smallest and the largest value of a quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Peak<S> {
+    /// Smallest value; infinite before the first step.
+    pub lowest: S,
+    /// Largest value; minus infinity before the first step.
+    pub highest: S,
+}
+
+impl<S: Scalar> Peak<S> {
+    pub(crate) fn new() -> Self {
+        Self { lowest: S::INFINITY, highest: -S::INFINITY }
+    }
+
+    /// Includes a step with the extrema inside it, of a magnitude of at most `most`.
+    #[inline]
+    pub(crate) fn include(&mut self, cubic: &Cubic<S>, most: S) {
+        self.lowest = cubic.smallest().max(-most).min(self.lowest);
+        self.highest = cubic.largest().min(most).max(self.highest);
+    }
+
+    /// Largest magnitude; 0 before the first step.
+    #[must_use]
+    pub fn magnitude(&self) -> S {
+        self.highest.max(-self.lowest).max(S::ZERO)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -24,7 +24,7 @@
 //! So the result in `f32` is accurate to rounding.
 //!
 //! With a rigid body at the tip, which has a rotary inertia and an offset, the modes are those of
-//! [`Cantilever::mode_with`].
+//! `Cantilever::mode_with`.
 
 mod tip_mass;
 

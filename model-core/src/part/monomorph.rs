@@ -58,7 +58,7 @@ impl<S: Scalar> Monomorph<S> {
 
     /// Distances in m of the outer faces of substrate and piezoelectric layer from the neutral axis.
     #[must_use]
-    pub fn outer_distances(substrate: &Layer<S>, piezo: &Layer<S>) -> [S; 2] {
+    pub(crate) fn outer_distances(substrate: &Layer<S>, piezo: &Layer<S>) -> [S; 2] {
         let half = S::from_f64(0.5);
         let [below, above] = [substrate, piezo].map(|layer| layer.young_modulus * layer.thickness);
         let distance = half * (substrate.thickness + piezo.thickness) / (below + above);

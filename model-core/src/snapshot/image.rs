@@ -41,20 +41,6 @@ pub struct Image<T> {
     pub slot: usize,
 }
 
-impl<T> Image<T> {
-    /// Number of the next image.
-    #[must_use]
-    pub fn next_sequence(&self) -> u32 {
-        self.sequence.wrapping_add(1)
-    }
-
-    /// The slot of the next image, 0 or 1.
-    #[must_use]
-    pub fn next_slot(&self) -> usize {
-        1 - self.slot.min(1)
-    }
-}
-
 /// Size in bytes of an image of the states of a configuration.
 #[must_use]
 pub const fn image_size<C: Configuration>() -> usize {
@@ -179,8 +165,6 @@ mod tests {
 
     fn newest(first: &[u8], second: &[u8]) -> Result<(f32, u32, usize), SnapshotError> {
         let image = newest_image(&Pair(1.0), [first, second])?;
-        assert_eq!(image.next_slot(), 1 - image.slot);
-        assert_eq!(image.next_sequence(), image.sequence.wrapping_add(1));
         Ok((image.state[0], image.sequence, image.slot))
     }
 

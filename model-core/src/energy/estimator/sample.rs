@@ -61,9 +61,7 @@ impl<S: Scalar> SampleFormat<S> {
         }
     }
 
-    /// The sample of a reading in m/s²; a reading that is not finite or beyond [`LARGEST_SAMPLE`] is missing.
-    ///
-    /// [`LARGEST_SAMPLE`]: crate::excitation::LARGEST_SAMPLE
+    /// The sample of a reading in m/s²; a reading that is not finite or beyond 10⁶ is missing.
     #[inline]
     pub(crate) fn of_acceleration(&self, acceleration: S) -> Sample<S> {
         if !is_acceleration(acceleration) {

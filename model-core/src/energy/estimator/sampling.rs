@@ -30,10 +30,8 @@ pub enum Interpolation {
     DroopCompensated,
 }
 
-/// Samples per resonance period below which no figure for the sampling is stated: [`Uncertainty::sampling`].
-///
-/// [`Uncertainty::sampling`]: super::Uncertainty::sampling
-pub const LEAST_SAMPLES_PER_PERIOD: u32 = 4;
+/// Samples per resonance period below which no figure for the sampling is stated.
+const LEAST_SAMPLES_PER_PERIOD: u32 = 4;
 
 /// The largest `x`, at [`LEAST_SAMPLES_PER_PERIOD`].
 const LARGEST_HALF_TURN: f64 = core::f64::consts::PI / LEAST_SAMPLES_PER_PERIOD as f64;

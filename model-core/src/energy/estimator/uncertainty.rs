@@ -154,7 +154,7 @@ pub struct Uncertainty<S> {
     /// Time in s that was not integrated.
     pub unknown_seconds: S,
     /// Error of the mean power by interpolation between samples, relative; `None` below
-    /// [`LEAST_SAMPLES_PER_PERIOD`](super::LEAST_SAMPLES_PER_PERIOD), where the rate is too low, and until the
+    /// four samples in a resonance period, where the rate is too low, and until the
     /// first resonance period has ended. 0 at time zero and after whole periods at rest.
     pub sampling: Option<S>,
     /// Difference of the mean power of two motions under this input that impacts have made independent of one another,

@@ -10,9 +10,6 @@ pub const LEVELS_PER_OCTAVE: i32 = 1 << LEVEL_BITS;
 const LEVEL_BITS: u32 = 11;
 /// Octaves by which the level of an amplitude in m/s², or of a voltage in V, is shifted to be positive.
 pub const AMPLITUDE_OCTAVES: i32 = 16;
-/// Units of a detuning in 1.
-pub const DETUNING_UNIT: i32 = 1 << DETUNING_BITS;
-const DETUNING_BITS: u32 = 12;
 /// Largest distance from the resonance, in units of the frequency.
 pub const FARTHEST: u32 = (1 << 18) - 1;
 

@@ -38,22 +38,7 @@
 
 use core::fmt;
 
-/// How well a map was found to agree with the full model, at random places off its nodes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Agreement {
-    /// Number of places by which the bounds were measured.
-    pub places: u32,
-    /// Median of the relative error.
-    pub median: f32,
-    /// 90th percentile of the relative error.
-    pub percentile_90: f32,
-    /// Share of other places at which the bounds hold.
-    pub bounds_hold: f32,
-}
-
 use super::coordinate::Spacing;
-use super::words::Stored;
 use crate::snapshot::Fingerprint;
 
 /// First word of a map: `RM`.
@@ -79,7 +64,7 @@ pub const COLUMNS: usize = (1 << COLUMN_BITS) + 1;
 /// Columns less one as a power of two.
 pub(super) const COLUMN_BITS: u32 = 5;
 /// Words of a column.
-pub const COLUMN_WORDS: usize = 2 + ROWS;
+pub(super) const COLUMN_WORDS: usize = 2 + ROWS;
 /// The falling boundary of a map without an upper branch: above all amplitudes.
 pub const NOWHERE: u16 = u16::MAX;
 /// Bounds of a branch: eight parts of the columns for the first rows, then eight for the others.
@@ -92,6 +77,20 @@ pub(super) const SLICE_BOUNDS: usize = 4 * BOUNDS;
 pub const NEAR: u32 = 4;
 /// Words of the checksum.
 pub const TAIL: usize = 2;
+
+/// How well a map was found to agree with the full model, at random places off its nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Agreement {
+    /// Number of places by which the bounds were measured.
+    pub places: u32,
+    /// Median of the relative error.
+    pub median: f32,
+    /// 90th percentile of the relative error.
+    pub percentile_90: f32,
+    /// Share of other places at which the bounds hold.
+    pub bounds_hold: f32,
+}
 
 /// The reason why a map is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -144,6 +143,36 @@ impl fmt::Display for MapError {
 }
 
 impl core::error::Error for MapError {}
+
+/// Words, or their bytes, the lower one first.
+#[derive(Debug, Clone, Copy)]
+pub enum Stored<'a> {
+    /// As words.
+    Words(&'a [u16]),
+    /// As bytes.
+    Bytes(&'a [u8]),
+}
+
+impl Stored<'_> {
+    /// Number of whole words.
+    pub(super) const fn count(self) -> usize {
+        match self {
+            Self::Words(words) => words.len(),
+            Self::Bytes(bytes) => bytes.len() / 2,
+        }
+    }
+
+    /// The word at an index; 0 beyond the end.
+    pub(super) const fn word(self, index: usize) -> u16 {
+        if index >= self.count() {
+            return 0;
+        }
+        match self {
+            Self::Words(words) => words[index],
+            Self::Bytes(bytes) => u16::from_le_bytes(bytes.as_chunks().0[index]),
+        }
+    }
+}
 
 /// CRC-32 of the first `count` words, as little-endian bytes.
 const fn checksum(words: Stored<'_>, count: usize) -> u32 {

@@ -2,6 +2,7 @@
 
 mod interpolation;
 
+use super::image::COLUMN_WORDS;
 use super::test_map::{FINGERPRINT, factors, head};
 use super::*;
 

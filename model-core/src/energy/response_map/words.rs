@@ -4,7 +4,7 @@
 use core::fmt;
 use core::ops::Deref;
 
-use super::image::{COLUMN_WORDS, COLUMNS, PARTS};
+use super::image::{COLUMN_WORDS, COLUMNS, PARTS, Stored};
 
 /// A word as it is stored.
 pub trait Word: Copy + fmt::Debug + Eq {
@@ -52,36 +52,6 @@ pub trait Words: Copy {
 
     /// The bounds of a slice, from a word on; `None` if they are not all there.
     fn bounds(self, from: usize) -> Option<Self::Bounds>;
-}
-
-/// Words, or their bytes, the lower one first.
-#[derive(Debug, Clone, Copy)]
-pub enum Stored<'a> {
-    /// As words.
-    Words(&'a [u16]),
-    /// As bytes.
-    Bytes(&'a [u8]),
-}
-
-impl Stored<'_> {
-    /// Number of whole words.
-    pub(super) const fn count(self) -> usize {
-        match self {
-            Self::Words(words) => words.len(),
-            Self::Bytes(bytes) => bytes.len() / 2,
-        }
-    }
-
-    /// The word at an index; 0 beyond the end.
-    pub(super) const fn word(self, index: usize) -> u16 {
-        if index >= self.count() {
-            return 0;
-        }
-        match self {
-            Self::Words(words) => words[index],
-            Self::Bytes(bytes) => u16::from_le_bytes(bytes.as_chunks().0[index]),
-        }
-    }
 }
 
 impl<'a> Words for &'a [u16] {

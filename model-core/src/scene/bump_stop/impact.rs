@@ -2,7 +2,7 @@
 
 use super::state::StateOf;
 use super::step_set::StepSetOf;
-use super::stepper::{PairOf, Stepper};
+use super::stepper::{MOST_LOCATING, PairOf, Stepper};
 use super::trial::Trial;
 use super::{BumpStop, Parts};
 use crate::clock::seconds_of_ticks;
@@ -11,8 +11,6 @@ use crate::hybrid::{StepError, Work};
 use crate::observer::{ALL_POWERS, Event, Observer, PowerIndex};
 use crate::scalar::Scalar;
 
-/// Most attempts to locate an impact: bisection of 2³² ticks.
-pub(super) const MOST_LOCATING: u32 = 40;
 /// Impact speed in m/s below which an impact closes the contact.
 const CLOSING_SPEED: f64 = 1e-5;
 

@@ -8,7 +8,7 @@ use super::reach::{Flight, Reach};
 use super::state::StateOf;
 use super::step_set::StepSetOf;
 use super::trial::Trial;
-use super::{BumpStop, Parts, impact};
+use super::{BumpStop, Parts};
 use crate::bounds::ParameterError;
 use crate::clock::{Instant, seconds_of_ticks, ticks_of_seconds};
 use crate::excitation::Excitation;
@@ -19,7 +19,10 @@ use crate::scalar::Scalar;
 
 /// Most attempts of one step with the location of an impact: flights of all lengths, the short step, and those of the
 /// location. A smaller budget of [`Harvester::advance`](crate::scene::Harvester::advance) is raised to this number.
-pub(super) const LEAST_BUDGET: u32 = LEVELS as u32 + 1 + impact::MOST_LOCATING;
+pub(super) const LEAST_BUDGET: u32 = LEVELS as u32 + 1 + MOST_LOCATING;
+
+/// Most attempts to locate an impact: bisection of 2³² ticks.
+pub(super) const MOST_LOCATING: u32 = 40;
 
 /// Ratio of the gap to the drift above which the drift is removed.
 const OPENED: f64 = 16.0;

@@ -1,5 +1,6 @@
 //! A look-up in integers against the interpolation of the same nodes in `f64`, read from the words by their layout.
 
+use super::super::image::COLUMN_WORDS;
 use super::*;
 
 /// Levels by which integers may be off in a boundary: a place is in 2⁻¹⁰ of the distance of columns whose boundaries differ by 2500.
