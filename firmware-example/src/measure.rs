@@ -44,7 +44,7 @@ fn measure(counter: &Counter, workload: &mut dyn Workload) {
     let (mut steps, mut simulated_us, mut ticks, mut deepest) = (0_u64, 0_u64, 0_u64, 0_u32);
     loop {
         // Anew each time, because logging a sample uses the stack too.
-        paint();
+        paint_stack();
         let started = counter.ticks();
         // The boxes keep the compiler from moving the work out from between the two readings.
         let progress = black_box(black_box(&mut *workload).advance());
@@ -54,7 +54,7 @@ fn measure(counter: &Counter, workload: &mut dyn Workload) {
                 steps += u64::from(more);
                 simulated_us += u64::from(later);
                 ticks += elapsed;
-                deepest = deepest.max(deepest());
+                deepest = deepest.max(deepest_stack());
                 info!("sample {=u64} {=u64} {=u64} {=[?]:08x}", simulated_us, steps, ticks, workload.state());
             }
             Progress::Finished => break,
@@ -183,7 +183,7 @@ unsafe extern "C" {
 }
 
 /// Paints everything between the static variables and the stack as it stands now.
-pub(crate) fn paint() {
+pub(crate) fn paint_stack() {
     // In assembly, because only there the stack pointer is known: a compiled function may read it
     // first and push afterwards, and would paint over its own return address.
     //
@@ -205,7 +205,7 @@ pub(crate) fn paint() {
 
 /// Bytes from the top of the stack to the deepest word written since [`paint`].
 #[inline(never)]
-pub(crate) fn deepest() -> u32 {
+pub(crate) fn deepest_stack() -> u32 {
     let top = (&raw const _stack_start).addr();
     let mut word = cortex_m_rt::heap_start().cast_const();
     // SAFETY: the words between the end of the static variables and the top of the stack are RAM,

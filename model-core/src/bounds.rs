@@ -58,7 +58,7 @@ pub(crate) const fn first_outside(rows: &[(&'static str, f32, f32, f32)]) -> Opt
 /// A row is `"name" = field: lowest, highest;` with the name that the error has. A field of type `Option<S>` is
 /// checked where it is given.
 macro_rules! bounded {
-    ($type:ident<S $(, $parameter:ident)*>: $($name:literal = $($field:ident).+: $lowest:expr, $highest:expr;)+) => {
+    ($type:ident<S $(, $parameter:ident)*>: $($name:tt = $($field:ident).+: $lowest:expr, $highest:expr;)+) => {
         impl<S: crate::scalar::Scalar $(, $parameter)*> $type<S $(, $parameter)*> {
             /// Name, as in [`ParameterError::field`](crate::bounds::ParameterError::field), and bounds of each number.
             pub const BOUNDS: &'static [(&'static str, crate::bounds::Bounds<f64>)] =
@@ -74,6 +74,61 @@ macro_rules! bounded {
     };
 }
 pub(crate) use bounded;
+
+/// Declares a struct of numbers once: its fields with their documentation, what [`bounded!`] makes, and for a host the macro
+/// `$rows`, which hands its rows to another macro: `rows! { other! { tokens } }` is `other! { tokens [rows] }`, with rows as
+/// `(field) key ("unit" "meaning" lowest highest);`.
+///
+/// A row is `field "symbol": key "unit" lowest..=highest "meaning";`, and before the `;` a bound by other parameters, if there
+/// is one. The key is that of a scene file, the name of the number in errors is the field's after a prefix. The first token
+/// is `$`, which a macro cannot write itself. Without a struct, rows begin with the name and a path to the field.
+macro_rules! parameters {
+    ($dollar:tt $rows:ident $prefix:literal $(#[$meta:meta])* $visible:vis struct $type:ident<S $(, $parameter:ident $(= $of:ty)?)*> {
+        { $($field:ident $symbol:literal: $key:ident $unit:literal $lowest:literal..=$highest:literal $meaning:literal
+            $($limit:literal)?;)+ }
+        $($rest:tt)*
+    }) => {
+        $(#[$meta])*
+        $visible struct $type<S $(, $parameter $(= $of)?)*> {
+            $(#[doc = concat!($meaning, " ", $symbol, "; unit ", $unit, ", ", $lowest, " to ", $highest, ".")]
+            pub $field: S,)+
+            $($rest)*
+        }
+        crate::bounds::parameters! { $dollar $rows for $type<S $(, $parameter)*> {
+            $((concat!($prefix, stringify!($field))) = $field:
+                $key $unit $lowest..=$highest $meaning $($limit)?;)+
+        } }
+    };
+    ($dollar:tt $rows:ident for $type:ident<S $(, $parameter:ident)*> { $(
+        $name:tt = $($field:ident).+: $key:ident $unit:literal $lowest:literal..=$highest:literal $meaning:literal
+        $($limit:literal)?;
+    )+ }) => {
+        crate::bounds::bounded! { $type<S $(, $parameter)*>: $($name = $($field).+: $lowest, $highest;)+ }
+
+        #[doc(hidden)]
+        #[macro_export]
+        macro_rules! $rows {
+            ($dollar($dollar call:ident)::+! { $dollar($dollar with:tt)* }) => {
+                $dollar($dollar call)::+! { $dollar($dollar with)*
+                    [$(($($field).+) $key ($unit $meaning $lowest $highest $($limit)?);)+]
+                }
+            };
+        }
+    };
+}
+pub(crate) use parameters;
+
+/// `with_choices` of a struct of the rows and `choices`.
+macro_rules! with_choices {
+    ([$(($field:ident) $key:ident $meaning:tt;)+]) => {
+        /// The same numbers with other components.
+        #[must_use]
+        pub fn with_choices<D>(self, choices: D) -> Parameters<S, D> {
+            Parameters { $($field: self.$field,)+ choices }
+        }
+    };
+}
+pub(crate) use with_choices;
 
 impl<S: Scalar> Bounds<S> {
     /// From `lowest` to `highest`, both literals of the source.

@@ -55,9 +55,9 @@ pub fn run() -> ! {
     }
     // SAFETY: it was made now or before the last reset, by this program.
     let world = unsafe { world.assume_init_mut() };
-    crate::measure::paint();
+    crate::measure::paint_stack();
     let ended = cycle(Part::TARGET, world, &counter, &mut log);
-    world.stack = world.stack.max(crate::measure::deepest());
+    world.stack = world.stack.max(crate::measure::deepest_stack());
     match ended {
         Ok(End::PowerLost) => SCB::sys_reset(),
         Ok(End::Day) => {

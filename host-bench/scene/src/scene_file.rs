@@ -31,7 +31,7 @@ pub(crate) use self::bounds::Short;
 pub use self::document::SceneError;
 use self::document::{Content, Document};
 pub use self::fit::Fit;
-use self::key::{Kind, Table, Value, other};
+use self::key::{Key, Kind, Table, Value, other};
 pub(crate) use self::limits::of_name as limit_of_name;
 pub use self::limits::{breakdown_voltage_v, fringing};
 pub use self::overrides::{Override, contains, replaces};
@@ -97,27 +97,24 @@ pub fn number_at(file: &Path, overrides: &[Override], key: &str) -> Result<Optio
     }
 }
 
-/// The unit of a key such as `load.resistance_ohm`, empty where it has none; `None` of an unknown key, and of one whose unit
-/// depends on the kind of its table.
+/// The rows of a key such as `load.resistance_ohm`, one for each kind of its table that has it.
 #[must_use]
-pub fn unit_of(key: &str) -> Option<&'static str> {
-    let mut units = Vec::new();
-    add_units(&KEYS, key, &mut units);
-    let first = *units.first()?;
-    units.iter().all(|unit| *unit == first).then_some(first)
+pub fn rows_of(key: &str) -> Vec<&'static Key> {
+    let mut rows = Vec::new();
+    add_rows(&KEYS, key, &mut rows);
+    rows
 }
 
-/// Adds the units that a key has in the kinds of a table.
-fn add_units(table: &'static Table, key: &str, units: &mut Vec<&'static str>) {
+fn add_rows(table: &'static Table, key: &str, rows: &mut Vec<&'static Key>) {
     let (name, rest) = key.split_once('.').map_or((key, None), |(name, rest)| (name, Some(rest)));
     let of_kinds = table.kinds.iter().flat_map(|kind| kind.keys);
     for key in of_kinds.chain(table.keys).filter(|key| key.name == name) {
         match (key.value, rest) {
-            (_, None) => units.push(key.unit),
-            (Value::Table(inner), Some(rest)) => add_units(inner, rest, units),
+            (_, None) => rows.push(key),
+            (Value::Table(inner), Some(rest)) => add_rows(inner, rest, rows),
             // A number stands before the key of one of several tables.
             (Value::Tables(inner), Some(rest)) => {
-                add_units(inner, rest.split_once('.').map_or("", |(_, rest)| rest), units);
+                add_rows(inner, rest.split_once('.').map_or("", |(_, rest)| rest), rows);
             }
             _ => {}
         }

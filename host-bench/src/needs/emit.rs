@@ -191,16 +191,7 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
             ("parasitic", parasitic),
             ("sticking", self.sticking(from.stick_charge)),
         ];
-        let numbers = [
-            ("mass", from.mass_kg),
-            ("stiffness", from.stiffness_n_per_m),
-            ("damping_ratio", from.damping_ratio),
-            ("initial_gap", from.initial_gap_m),
-            ("electrode_area", from.electrode_area_m2),
-            ("dielectric_thickness", from.dielectric_thickness_m),
-            ("relative_permittivity", from.relative_permittivity),
-            ("charge_density", from.charge_density_c_per_m2),
-        ];
+        let numbers = model_core::contact_separation_numbers!(harvester_scene::of_rows! { names from });
         let initial = &model.initial;
         let start =
             [("gap", initial.gap_m), ("velocity", initial.velocity_m_per_s), ("charge", initial.charge_c)];
@@ -227,19 +218,7 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
             ("sticking", self.sticking(from.stick_charge)),
             ("lateral_force", unit(if from.lateral_force { "FieldLateralForce" } else { "NoLateralForce" })),
         ];
-        let numbers = [
-            ("beam_length", from.beam_length_m),
-            ("beam_width", from.beam_width_m),
-            ("beam_thickness", from.beam_thickness_m),
-            ("young_modulus", from.young_modulus_pa),
-            ("density", from.density_kg_per_m3),
-            ("damping_ratio", from.damping_ratio),
-            ("slider_mass", from.slider_mass_kg),
-            ("patch_radius", from.patch_radius_m),
-            ("dielectric_thickness", from.dielectric_thickness_m),
-            ("relative_permittivity", from.relative_permittivity),
-            ("charge_density", from.charge_density_c_per_m2),
-        ];
+        let numbers = model_core::sliding_numbers!(harvester_scene::of_rows! { names from });
         let initial = &model.initial;
         let start = [
             ("displacement", initial.displacement_m),

@@ -1,7 +1,7 @@
 //! The parameters of a scene in a few words, for the title of a picture; keys as titles of axes; numbers with a prefix of
 //! their unit.
 
-use crate::scene_file::{Excitation, Load, Model, Scene, unit_of};
+use crate::scene_file::{Excitation, Load, Model, Scene, rows_of};
 
 /// Prefixes of units and their powers of a thousand.
 const PREFIXES: [(&str, i32); 9] =
@@ -96,7 +96,12 @@ const PLAIN: &str = "parameters";
 /// A key such as `load.resistance_ohm` in words with its unit: `load resistance [Ω]`. The key itself where it has no unit of
 /// its own.
 pub(crate) fn label(key: &str) -> String {
-    let Some(unit) = unit_of(key) else { return key.to_owned() };
+    let rows = rows_of(key);
+    // A key whose unit depends on the kind of its table has none.
+    let Some(unit) = rows.first().map(|row| row.unit).filter(|unit| rows.iter().all(|row| row.unit == *unit))
+    else {
+        return key.to_owned();
+    };
     let words: Vec<&str> =
         key.split('.').filter(|part| *part != PLAIN && part.parse::<usize>().is_err()).collect();
     let words = words.join(" ");

@@ -5,49 +5,31 @@ mod feature;
 pub use self::feature::{Source, draw_varied};
 use super::Case;
 use crate::method::Precision;
+use crate::scene_file::key::Value;
+use crate::scene_file::{number_at, rows_of, shipped};
 
-/// A number of a table of a scene file: key, value of the shipped scene, bounds.
-type Row = (&'static str, f64, [f64; 2]);
+/// A shipped scene, one of its tables, and the keys of it that are drawn about their values.
+type Drawn = [&'static str; 3];
 
-const CONTACT_SEPARATION: [Row; 7] = [
-    ("mass_kg", 5e-3, [1e-12, 1e3]),
-    ("stiffness_n_per_m", 80.0, [1e-9, 1e9]),
-    ("initial_gap_m", 3e-3, [1e-9, 1.0]),
-    ("electrode_area_m2", 4e-4, [1e-12, 10.0]),
-    ("dielectric_thickness_m", 5e-5, [1e-9, 0.1]),
-    ("relative_permittivity", 2.0, [1.0, 1e5]),
-    ("charge_density_c_per_m2", 5e-5, [1e-12, 1e-2]),
+const CONTACT_SEPARATION: Drawn = [
+    "contact-separation",
+    "parameters",
+    "mass_kg stiffness_n_per_m initial_gap_m electrode_area_m2 dielectric_thickness_m relative_permittivity \
+     charge_density_c_per_m2",
 ];
-const SLIDING: [Row; 10] = [
-    ("beam_length_m", 0.1, [1e-4, 10.0]),
-    ("beam_width_m", 20e-3, [1e-5, 10.0]),
-    ("beam_thickness_m", 0.5e-3, [1e-7, 1.0]),
-    ("young_modulus_pa", 210e9, [1e5, 1e13]),
-    ("density_kg_per_m3", 7800.0, [1.0, 1e5]),
-    ("slider_mass_kg", 8e-3, [1e-12, 1e3]),
-    ("patch_radius_m", 10e-3, [1e-6, 1.0]),
-    ("dielectric_thickness_m", 5e-5, [1e-9, 0.1]),
-    ("relative_permittivity", 2.0, [1.0, 1e5]),
-    ("charge_density_c_per_m2", 8e-5, [1e-12, 1e-2]),
+const SLIDING: Drawn = [
+    "sliding",
+    "parameters",
+    "beam_length_m beam_width_m beam_thickness_m young_modulus_pa density_kg_per_m3 slider_mass_kg patch_radius_m \
+     dielectric_thickness_m relative_permittivity charge_density_c_per_m2",
 ];
-const BUMP_STOP: [Row; 9] = [
-    ("beam_length_m", 50e-3, [1e-4, 10.0]),
-    ("beam_width_m", 10e-3, [1e-5, 10.0]),
-    ("substrate_thickness_m", 0.5e-3, [1e-7, 1.0]),
-    ("substrate_young_modulus_pa", 200e9, [1e5, 1e15]),
-    ("substrate_density_kg_per_m3", 7850.0, [1.0, 1e5]),
-    ("piezo_thickness_m", 0.5e-3, [1e-7, 1.0]),
-    ("piezo_young_modulus_pa", 66e9, [1e5, 1e15]),
-    ("piezo_d31_m_per_v", -190e-12, [-1e-8, 1e-8]),
-    ("piezo_permittivity_f_per_m", 15.93e-9, [1e-12, 1e-6]),
+const BUMP_STOP: Drawn = [
+    "bump-stop",
+    "parameters",
+    "beam_length_m beam_width_m substrate_thickness_m substrate_young_modulus_pa substrate_density_kg_per_m3 \
+     piezo_thickness_m piezo_young_modulus_pa piezo_d31_m_per_v piezo_permittivity_f_per_m",
 ];
-const STOP: [Row; 5] = [
-    ("length_m", 20e-3, [1e-4, 10.0]),
-    ("width_m", 2e-3, [1e-5, 10.0]),
-    ("thickness_m", 2e-3, [1e-7, 1.0]),
-    ("young_modulus_pa", 70e9, [1e5, 1e15]),
-    ("density_kg_per_m3", 2700.0, [1.0, 1e5]),
-];
+const STOP: Drawn = ["bump-stop", "stop", "length_m width_m thickness_m young_modulus_pa density_kg_per_m3"];
 const BUMP_STOP_SCENES: [&str; 4] = ["bump-stop", "bump-stop-tip", "bump-stop-mid-span", "bump-stop-none"];
 /// Decades up to which the dimensions and materials of a scene are changed.
 const SPREADS: [f64; 5] = [0.0, 0.0, 0.2, 0.5, 1.5];
@@ -86,7 +68,7 @@ impl Drawing {
     }
 
     fn contact_separation(mut self) -> Case {
-        self.spread("parameters", &CONTACT_SEPARATION);
+        self.spread(CONTACT_SEPARATION);
         self.triboelectric();
         let restitution = if self.source.chance(0.5) {
             let extremes = [0.0, 0.99, 1.0, self.source.uniform(0.0, 1.0), self.source.uniform(0.0, 1.0)];
@@ -115,7 +97,7 @@ impl Drawing {
     }
 
     fn sliding(mut self) -> Case {
-        self.spread("parameters", &SLIDING);
+        self.spread(SLIDING);
         self.triboelectric();
         for patch in ["active", "inert"] {
             let kinetic = self.source.logarithmic(1e-4, 3.0);
@@ -140,7 +122,7 @@ impl Drawing {
 
     fn bump_stop(mut self) -> Case {
         let scene = self.source.one_of(BUMP_STOP_SCENES);
-        self.spread("parameters", &BUMP_STOP);
+        self.spread(BUMP_STOP);
         let beam_modes = self.source.one_of([1, 2, 3, 4, 4, 7, 10, 20]);
         self.set("parameters.beam_modes", beam_modes.to_string());
         let damping = self.source.logarithmic(1e-4, 0.9);
@@ -160,7 +142,7 @@ impl Drawing {
     }
 
     fn stop(&mut self) {
-        self.spread("stop", &STOP);
+        self.spread(STOP);
         let gap = self.source.logarithmic(1e-8, 1e-3);
         let gap = self.source.one_of([0.0, gap]);
         self.set_number("stop.gap_m", gap);
@@ -205,18 +187,24 @@ impl Drawing {
     }
 
     /// Multiplies each number of a table by a power of ten up to the spread of the case.
-    fn spread(&mut self, table: &str, rows: &[Row]) {
+    fn spread(&mut self, drawn: Drawn) {
         let spread = self.source.one_of(SPREADS);
         if spread > 0.0 {
-            self.multiply(table, rows, spread);
+            self.multiply(drawn, spread);
         }
     }
 
     /// Multiplies each number of a table by a power of ten up to `spread`.
-    fn multiply(&mut self, table: &str, rows: &[Row], spread: f64) {
-        for (key, value, [lowest, highest]) in rows {
-            let changed = value * 10.0_f64.powf(self.source.uniform(-spread, spread));
-            self.set_number(&format!("{table}.{key}"), changed.clamp(*lowest, *highest));
+    fn multiply(&mut self, [scene, table, keys]: Drawn, spread: f64) {
+        for key in keys.split(' ').map(|key| format!("{table}.{key}")) {
+            let factor = 10.0_f64.powf(self.source.uniform(-spread, spread));
+            let value = number_at(&shipped(scene), &[], &key);
+            // A scene that cannot be read is refused where the case is run.
+            if let (Ok(Some(value)), Some(Value::Number(bounds))) =
+                (value, rows_of(&key).first().map(|row| row.value))
+            {
+                self.set_number(&key, (value * factor).clamp(bounds.lowest, bounds.highest));
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use crate::bounds::{ParameterError, bounded};
+use crate::bounds::{ParameterError, parameters};
 use crate::forward;
 use crate::scalar::{Mathematics, Polynomial, Scalar};
 use crate::snapshot::Fingerprint;
@@ -26,15 +26,13 @@ pub trait Restitution<S: Scalar>: Copy + core::fmt::Debug + PartialEq {
     fn identify(&self, fingerprint: &mut Fingerprint);
 }
 
-/// Newton's law: one coefficient for every speed.
+parameters! { $ constant_restitution_numbers "restitution."
+/// Newton's law: one coefficient for every speed, 0 (no rebound) to 1 (no loss).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ConstantRestitution<S> {
-    /// Coefficient of restitution, 0 (no rebound) to 1 (no loss).
-    pub coefficient: S,
-}
-
-bounded! { ConstantRestitution<S>: "restitution.coefficient" = coefficient: 0.0, 1.0; }
+    { coefficient "`e`": coefficient "1" 0.0..=1.0 "Coefficient of restitution"; }
+} }
 
 impl<S: Scalar> Restitution<S> for ConstantRestitution<S> {
     #[inline]
@@ -52,6 +50,7 @@ impl<S: Scalar> Restitution<S> for ConstantRestitution<S> {
     }
 }
 
+parameters! { $ variable_restitution_numbers "restitution."
 /// A coefficient that falls with the impact speed: `e(v) = e_∞ + (e_0 − e_∞) exp(−v / v_ref)`.
 ///
 /// The measured law of equation (21) of Fu, Ouyang and Davis (2020) is missing from the available copy;
@@ -59,21 +58,15 @@ impl<S: Scalar> Restitution<S> for ConstantRestitution<S> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VelocityDependentRestitution<S, M = Polynomial> {
-    /// `e_0`, the coefficient at vanishing speed, 0 to 1.
-    pub at_rest: S,
-    /// `e_∞`, the coefficient at high speed, 0 to 1.
-    pub at_speed: S,
-    /// `v_ref` in m/s, 10⁻⁹ to 10³.
-    pub reference_speed: S,
+    {
+        at_rest "`e_0`": at_rest "1" 0.0..=1.0 "Coefficient in the limit of no speed";
+        at_speed "`e_∞`": at_speed "1" 0.0..=1.0 "Coefficient in the limit of high speed";
+        reference_speed "`v_ref`": reference_speed_m_per_s "m/s" 1e-9..=1e3
+            "Speed over which the coefficient falls by a factor e";
+    }
     /// The elementary functions for the exponential.
     pub mathematics: PhantomData<M>,
-}
-
-bounded! { VelocityDependentRestitution<S, M>:
-    "restitution.at_rest" = at_rest: 0.0, 1.0;
-    "restitution.at_speed" = at_speed: 0.0, 1.0;
-    "restitution.reference_speed" = reference_speed: 1e-9, 1e3;
-}
+} }
 
 impl<S: Scalar, M: Mathematics<S>> Restitution<S> for VelocityDependentRestitution<S, M> {
     #[inline]

@@ -181,11 +181,11 @@ impl Registers for Simulated {
 
 /// Runs the program, and logs its deepest stack and what of it is known by its type, in bytes; then each kind of call.
 pub fn measure() -> ! {
-    crate::measure::paint();
+    crate::measure::paint_stack();
     for life in 1..=LIVES {
         run::<Simulated>(|second| second >= life * LIFE);
     }
-    let stack = crate::measure::deepest();
+    let stack = crate::measure::deepest_stack();
     if BY_VOLTAGE {
         calls::<_, VOLTAGE_BYTES>(&NODE, stack);
     } else {
@@ -205,14 +205,14 @@ struct Calls {
 
 impl Calls {
     fn time(&mut self, counter: &Counter, mut call: impl FnMut()) {
-        crate::measure::paint();
+        crate::measure::paint_stack();
         let before = counter.ticks();
         call();
         let ticks = counter.ticks() - before;
         self.number += 1;
         self.ticks += ticks;
         self.largest = self.largest.max(ticks);
-        self.stack = self.stack.max(crate::measure::deepest());
+        self.stack = self.stack.max(crate::measure::deepest_stack());
     }
 }
 

@@ -102,10 +102,8 @@ fn parameters_with<S: Scalar, L>(model: &BumpStop, load: L) -> Parameters<S, Any
                 Coupling::TwoWay => AnyCoupling::TwoWay,
                 Coupling::OneWay => AnyCoupling::OneWay,
             },
-            tip_mass: from.tip_mass.map(|body| TipMass {
-                mass: number(body.mass_kg),
-                rotary_inertia: number(body.rotary_inertia_kg_m2),
-                offset: number(body.offset_m),
+            tip_mass: from.tip_mass.map(|body| {
+                model_core::tip_mass_numbers!(harvester_scene::of_rows! { core body TipMass {} })
             }),
         },
     }

@@ -31,15 +31,7 @@ pub fn parameters<S: Scalar, M: Mathematics<S>>(
 ) -> Parameters<S, AnyChoices<S, M>> {
     let from = &model.parameters;
     let number = S::from_f64;
-    Parameters {
-        mass: number(from.mass_kg),
-        stiffness: number(from.stiffness_n_per_m),
-        damping_ratio: number(from.damping_ratio),
-        initial_gap: number(from.initial_gap_m),
-        electrode_area: number(from.electrode_area_m2),
-        dielectric_thickness: number(from.dielectric_thickness_m),
-        relative_permittivity: number(from.relative_permittivity),
-        charge_density: number(from.charge_density_c_per_m2),
+    model_core::contact_separation_numbers!(harvester_scene::of_rows! { core from Parameters {
         choices: Choices {
             load: AnyLoad { resistance: number(load.resistance_ohm()) },
             restitution: match from.restitution {
@@ -59,7 +51,7 @@ pub fn parameters<S: Scalar, M: Mathematics<S>>(
             parasitic: ParasiticCapacitance { capacitance: number(from.parasitic_capacitance_f) },
             sticking: sticking(from.stick_charge),
         },
-    }
+    } })
 }
 
 /// The core's name of a force law.

@@ -23,18 +23,7 @@ use harvester_scene::scene_file::{Load, Scene, Sliding};
 pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyChoices<S>> {
     let from = &model.parameters;
     let number = S::from_f64;
-    Parameters {
-        beam_length: number(from.beam_length_m),
-        beam_width: number(from.beam_width_m),
-        beam_thickness: number(from.beam_thickness_m),
-        young_modulus: number(from.young_modulus_pa),
-        density: number(from.density_kg_per_m3),
-        damping_ratio: number(from.damping_ratio),
-        slider_mass: number(from.slider_mass_kg),
-        patch_radius: number(from.patch_radius_m),
-        dielectric_thickness: number(from.dielectric_thickness_m),
-        relative_permittivity: number(from.relative_permittivity),
-        charge_density: number(from.charge_density_c_per_m2),
+    model_core::sliding_numbers!(harvester_scene::of_rows! { core from Parameters {
         choices: Choices {
             load: AnyLoad { resistance: number(load.resistance_ohm()) },
             friction: PatchFriction {
@@ -47,7 +36,7 @@ pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyCh
             sticking: sticking(from.stick_charge),
             lateral_force: if from.lateral_force { AnyLateralForce::Field } else { AnyLateralForce::None },
         },
-    }
+    } })
 }
 
 impl Triboelectric for Sliding {

@@ -1,20 +1,16 @@
 //! `[parameters]`, `[tip_mass]`, `[stop]` and `[initial]` of a bump-stop scene.
 
-use model_core::scene::bump_stop::{Parameters, Restitution, Start, Stop, TipMass};
+use model_core::scene::bump_stop::{Restitution, Start, Stop, TipMass};
 
 use super::bounds::{Bound, CoreTable, Short, between};
 use super::document::SceneError;
-use super::key::{Kind, Table, Value, core, number, other, whole, words};
+use super::key::{Key, Kind, Table, Value, core, joined, number, of_rows, other, whole, words};
 use super::limits;
 use super::modes::BumpStopModes;
-use super::scene::{
-    BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, Model, StopParameters, TipMassParameters,
-};
+use super::scene::Model;
 use super::section::{Section, numbers};
 
-const P: CoreTable = Parameters::<f64, ()>::BOUNDS;
 const ROD: CoreTable = Stop::<f64, ()>::BOUNDS;
-const BODY: CoreTable = TipMass::<f64>::BOUNDS;
 const START: CoreTable = Start::<f64, 0, 0>::BOUNDS;
 
 const COUPLINGS: [(&str, Coupling); 2] = [("two-way", Coupling::TwoWay), ("one-way", Coupling::OneWay)];
@@ -23,6 +19,113 @@ const CONTACTS: [(&str, Contact); 3] = [
     ("restitution", Contact::Restitution),
     ("displacement-constraint", Contact::DisplacementConstraint),
 ];
+
+/// A bump-stop harvester and the state it starts in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BumpStop {
+    /// Table `[parameters]`.
+    pub parameters: BumpStopParameters,
+    /// Table `[stop]`; `None`: the beam swings freely.
+    pub stop: Option<StopParameters>,
+    /// Table `[initial]`.
+    pub initial: BumpStopStart,
+}
+
+model_core::bump_stop_numbers! { of_rows! {
+    /// `[parameters]` of a bump-stop scene: a cantilever of a substrate and one piezoelectric layer, both of
+    /// its full length and width. The electrodes are taken so that the voltage rises as the tip moves towards the stop.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct BumpStopParameters {
+        /// Bending modes kept.
+        pub beam_modes: usize,
+        /// Whether the voltage acts back on the beam.
+        pub coupling: Coupling,
+        /// Table `[tip_mass]`; `None`: a free end.
+        pub tip_mass: Option<TipMassParameters>,
+    }
+} }
+
+model_core::tip_mass_numbers! { of_rows! {
+    /// `[tip_mass]` of a bump-stop scene: a rigid body at the free end of the beam.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct TipMassParameters {}
+} }
+
+/// Whether the voltage acts back on the beam.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coupling {
+    /// It does: what is harvested is taken from the motion.
+    TwoWay,
+    /// It does not: the beam drives the circuit and does not feel it.
+    OneWay,
+}
+
+/// `[stop]` of a bump-stop scene: an elastic rod that stands on the base, its face beside the beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StopParameters {
+    /// Length of the rod in m.
+    pub length_m: f64,
+    /// Width of the rod in m.
+    pub width_m: f64,
+    /// Thickness of the rod in m.
+    pub thickness_m: f64,
+    /// Young's modulus of the rod in Pa.
+    pub young_modulus_pa: f64,
+    /// Density of the rod in kg/m³.
+    pub density_kg_per_m3: f64,
+    /// Distance in m of the point of contact from the clamp, at most the length of the beam.
+    pub position_m: f64,
+    /// Distance in m between beam and rod, both at rest.
+    pub gap_m: f64,
+    /// Longitudinal modes of the rod that are kept; 0: a rod without mass.
+    pub rod_modes: usize,
+    /// How the contact is closed.
+    pub contact: Contact,
+    /// Compliance in m/N in series with the contact, beside that of the modes left out.
+    pub contact_compliance_m_per_n: f64,
+    /// Coefficient of restitution, 0 to 1; there under [`Contact::Restitution`], and only there.
+    pub restitution: Option<f64>,
+}
+
+/// How a contact is closed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Contact {
+    /// Through the static compliance of the modes that are left out.
+    ResidualFlexibility,
+    /// Rigidly, by impacts between the modes that are kept.
+    Restitution,
+    /// By a force in each time step that makes the gap zero at its end: the paper's method.
+    DisplacementConstraint,
+}
+
+/// `[initial]` of a bump-stop scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BumpStopStart {
+    /// Modal displacements of the beam in √kg·m, one for each mode.
+    pub modal_displacement: Vec<f64>,
+    /// Modal velocities of the beam in √kg·m/s, one for each mode.
+    pub modal_velocity: Vec<f64>,
+    /// Modal displacements of the rod in √kg·m, one for each mode.
+    pub rod_modal_displacement: Vec<f64>,
+    /// Modal velocities of the rod in √kg·m/s, one for each mode.
+    pub rod_modal_velocity: Vec<f64>,
+    /// Voltage in V; behind a short circuit there is none.
+    pub voltage_v: f64,
+}
+
+impl BumpStopStart {
+    /// At rest, without voltage.
+    #[must_use]
+    pub fn at_rest(beam_modes: usize, rod_modes: usize) -> Self {
+        Self {
+            modal_displacement: vec![0.0; beam_modes],
+            modal_velocity: vec![0.0; beam_modes],
+            rod_modal_displacement: vec![0.0; rod_modes],
+            rod_modal_velocity: vec![0.0; rod_modes],
+            voltage_v: 0.0,
+        }
+    }
+}
 
 /// The scene.
 pub(super) static KIND: Kind = Kind {
@@ -45,73 +148,20 @@ pub(super) static KIND: Kind = Kind {
     ],
 };
 
-static PARAMETERS: Table = Table::of(&[
-    number(
-        "beam_length_m",
-        "m",
-        core(P, "beam_length"),
-        "Flexible length: to the tip mass where there is one",
-    )
-    .limit("mode frequencies 1e-2 to 1e8 Hz"),
-    number("beam_width_m", "m", core(P, "beam_width"), "Width of the cantilever"),
-    number("substrate_thickness_m", "m", core(P, "substrate_thickness"), "Thickness of the substrate"),
-    number(
-        "substrate_young_modulus_pa",
-        "Pa",
-        core(P, "substrate_young_modulus"),
-        "Young's modulus of the substrate",
-    ),
-    number("substrate_density_kg_per_m3", "kg/m³", core(P, "substrate_density"), "Density of the substrate"),
-    number("piezo_thickness_m", "m", core(P, "piezo_thickness"), "Thickness of the piezoelectric layer"),
-    number(
-        "piezo_young_modulus_pa",
-        "Pa",
-        core(P, "piezo_young_modulus"),
-        "Young's modulus of the layer, short circuit",
-    ),
-    number(
-        "piezo_density_kg_per_m3",
-        "kg/m³",
-        core(P, "piezo_density"),
-        "Density of the piezoelectric layer",
-    ),
-    number(
-        "piezo_d31_m_per_v",
-        "m/V",
-        core(P, "piezo_d31"),
-        "Piezoelectric constant d31; its sign does not matter",
-    ),
-    number(
-        "piezo_permittivity_f_per_m",
-        "F/m",
-        core(P, "piezo_permittivity"),
-        "Permittivity ε33 at constant strain",
-    ),
-    number(
-        "damping_ratio",
-        "1",
-        core(P, "damping_ratio"),
-        "Damping ratio of every mode of cantilever and rod",
-    ),
-    whole("beam_modes", "", between(1.0, 20.0), "Bending modes that are kept"),
-    other("coupling", Value::Words(&words(&COUPLINGS)), "Whether the voltage acts back on the cantilever"),
-]);
+static PARAMETERS: Table = Table::of(&joined::<13>(&[
+    &model_core::bump_stop_numbers!(of_rows! { keys }),
+    &[
+        whole("beam_modes", "", between(1.0, 20.0), "Bending modes that are kept"),
+        other(
+            "coupling",
+            Value::Words(&words(&COUPLINGS)),
+            "Whether the voltage acts back on the cantilever",
+        ),
+    ],
+]));
 
-static TIP_MASS: Table = Table::of(&[
-    number("mass_kg", "kg", core(BODY, "tip_mass.mass"), "Mass")
-        .limit("at most 1e6 masses of the beam; mode frequencies 1e-2 to 1e8 Hz"),
-    number(
-        "rotary_inertia_kg_m2",
-        "kg·m²",
-        core(BODY, "tip_mass.rotary_inertia"),
-        "Moment of inertia about the body's own centre of mass, in the plane of bending",
-    )
-    .limit("at most 1e6 masses of the beam times the square of its length")
-    .or_number(0.0),
-    number("offset_m", "m", core(BODY, "tip_mass.offset"), "Centre of mass beyond the end of the cantilever")
-        .limit("at most 10 lengths of the beam")
-        .or_number(0.0),
-]);
+const BODY: [Key; 3] = model_core::tip_mass_numbers!(of_rows! { keys });
+static TIP_MASS: Table = Table::of(&[BODY[0], BODY[1].or_number(0.0), BODY[2].or_number(0.0)]);
 
 static STOP: Table = Table::of(&[
     number("length_m", "m", core(ROD, "stop.length"), "Length of the rod")
@@ -193,14 +243,11 @@ pub(super) fn model(root: &mut Section<'_>) -> Result<Model, SceneError> {
 }
 
 fn parameters(mut section: Section<'_>) -> Result<BumpStopParameters, SceneError> {
-    let parameters = numbers!(section, BumpStopParameters {
-        beam_length_m, beam_width_m, substrate_thickness_m, substrate_young_modulus_pa,
-        substrate_density_kg_per_m3, piezo_thickness_m, piezo_young_modulus_pa, piezo_density_kg_per_m3,
-        piezo_d31_m_per_v, piezo_permittivity_f_per_m, damping_ratio;
+    let parameters = model_core::bump_stop_numbers!(of_rows! { read section BumpStopParameters {
         beam_modes: section.whole_number("beam_modes")?,
         coupling: section.choice("coupling", &COUPLINGS)?,
         tip_mass: None,
-    });
+    } });
     let [frequencies, _] = BumpStopModes::new(&parameters, None).natural_frequencies_hz();
     check(&section, "beam_length_m", "bending mode", &frequencies)?;
     section.finish()?;
@@ -209,11 +256,7 @@ fn parameters(mut section: Section<'_>) -> Result<BumpStopParameters, SceneError
 
 /// Reads the tip mass of a beam that has none so far.
 fn tip_mass(mut section: Section<'_>, beam: &BumpStopParameters) -> Result<TipMassParameters, SceneError> {
-    let body = TipMassParameters {
-        mass_kg: section.number("mass_kg")?,
-        rotary_inertia_kg_m2: section.number("rotary_inertia_kg_m2")?,
-        offset_m: section.number("offset_m")?,
-    };
+    let body = model_core::tip_mass_numbers!(of_rows! { read section TipMassParameters {} });
     let mass = BumpStopModes::new(beam, None).beam_mass;
     let length = beam.beam_length_m;
     let [masses, inertias, lengths] = TipMass::<f64>::LARGEST_RATIOS;

@@ -1,23 +1,79 @@
 //! `[parameters]` and `[initial]` of a contact-separation scene.
 
 use model_core::part::parasitic::ParasiticCapacitance;
-use model_core::part::restitution::{ConstantRestitution, VelocityDependentRestitution};
-use model_core::scene::contact_separation::{Parameters, Start};
+use model_core::scene::contact_separation::Start;
 
-use super::bounds::{self, CoreTable};
+use super::bounds::{self, CoreTable, between};
 use super::document::SceneError;
-use super::key::{Key, Kind, Table, Value, core, number, other};
+use super::key::{Key, Kind, Table, Value, core, joined, number, of_rows, other};
 use super::limits;
-use super::scene::{
-    ContactSeparation, ContactSeparationParameters, ContactSeparationStart, Model, Restitution,
-};
-use super::section::{Section, numbers};
+use super::scene::{ForceLaw, Model, StickCharge};
+use super::section::Section;
 use super::triboelectric::{FORCE_LAW, STICK_CHARGE, force_law, stick_charge};
 
-const P: CoreTable = Parameters::<f64, ()>::BOUNDS;
-const CONSTANT: CoreTable = ConstantRestitution::<f64>::BOUNDS;
-const VARIABLE: CoreTable = VelocityDependentRestitution::<f64>::BOUNDS;
 const START: CoreTable = Start::<f64>::BOUNDS;
+
+/// A contact-separation harvester and the state it starts in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactSeparation {
+    /// Table `[parameters]`.
+    pub parameters: ContactSeparationParameters,
+    /// Table `[initial]`.
+    pub initial: ContactSeparationStart,
+}
+
+model_core::contact_separation_numbers! { of_rows! {
+    /// `[parameters]` of a contact-separation scene.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct ContactSeparationParameters {
+        /// Capacitance in parallel with the load, in F.
+        pub parasitic_capacitance_f: f64,
+        /// Electrostatic force law.
+        pub force_law: ForceLaw,
+        /// What the charge does while the mass is held on the dielectric.
+        pub stick_charge: StickCharge,
+        /// Coefficient of restitution.
+        pub restitution: Restitution,
+    }
+} }
+
+impl ContactSeparationParameters {
+    /// Natural frequency in Hz of the mass on its spring, undamped and without the electrostatic force.
+    #[must_use]
+    pub fn natural_frequency_hz(&self) -> f64 {
+        (self.stiffness_n_per_m / self.mass_kg).sqrt() / std::f64::consts::TAU
+    }
+}
+
+/// Coefficient of restitution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Restitution {
+    /// The same at every speed.
+    Constant {
+        /// The coefficient, 0 to 1.
+        coefficient: f64,
+    },
+    /// `e(v) = at_speed + (at_rest − at_speed) exp(−|v| / reference_speed)`.
+    VelocityDependent {
+        /// Coefficient in the limit of no speed, 0 to 1.
+        at_rest: f64,
+        /// Coefficient in the limit of high speed, 0 to 1.
+        at_speed: f64,
+        /// Speed in m/s over which it falls by a factor e.
+        reference_speed_m_per_s: f64,
+    },
+}
+
+/// `[initial]` of a contact-separation scene; what is `None` takes its default.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactSeparationStart {
+    /// Gap in m; by default the unstretched gap.
+    pub gap_m: Option<f64>,
+    /// Velocity in m/s, opening positive; by default 0.
+    pub velocity_m_per_s: Option<f64>,
+    /// Transferred charge in C; by default that of no voltage at the gap.
+    pub charge_c: Option<f64>,
+}
 
 /// The scene.
 pub(super) static KIND: Kind = Kind {
@@ -32,62 +88,32 @@ pub(super) static KIND: Kind = Kind {
     ],
 };
 
-static PARAMETERS: Table = Table::of(&[
-    number("mass_kg", "kg", core(P, "mass"), "Moving mass"),
-    number("stiffness_n_per_m", "N/m", core(P, "stiffness"), "Stiffness of the spring")
-        .limit("natural frequency 1e-3 to 1e4 Hz"),
-    number("damping_ratio", "1", core(P, "damping_ratio"), "Damping ratio, c / (2 √(k m))"),
-    number("initial_gap_m", "m", core(P, "initial_gap"), "Gap at which the spring is unstretched"),
-    number("electrode_area_m2", "m²", core(P, "electrode_area"), "Area of the electrode"),
-    number("dielectric_thickness_m", "m", core(P, "dielectric_thickness"), "Thickness of the dielectric"),
-    number(
-        "relative_permittivity",
-        "1",
-        core(P, "relative_permittivity"),
-        "Relative permittivity of the dielectric",
-    ),
-    number("charge_density_c_per_m2", "C/m²", core(P, "charge_density"), "Density of the tribo-charge"),
-    number(
-        "parasitic_capacitance_f",
-        "F",
-        core(ParasiticCapacitance::<f64>::BOUNDS, "parasitic_capacitance"),
-        "Capacitance in parallel with the load",
-    )
-    .or_number(0.0),
-    FORCE_LAW,
-    STICK_CHARGE,
-    other("restitution", Value::Table(&RESTITUTION), "Coefficient of restitution of the impacts"),
-]);
+static PARAMETERS: Table = Table::of(&joined::<12>(&[
+    &model_core::contact_separation_numbers!(of_rows! { keys }),
+    &[
+        number(
+            "parasitic_capacitance_f",
+            "F",
+            core(ParasiticCapacitance::<f64>::BOUNDS, "parasitic_capacitance"),
+            "Capacitance in parallel with the load",
+        )
+        .or_number(0.0),
+        FORCE_LAW,
+        STICK_CHARGE,
+        other("restitution", Value::Table(&RESTITUTION), "Coefficient of restitution of the impacts"),
+    ],
+]));
 
 static RESTITUTION: Table = Table::of_kinds(&[&CONSTANT_KIND, &VARIABLE_KIND]);
 static CONSTANT_KIND: Kind = Kind {
     word: "constant",
     meaning: "The same at every speed",
-    keys: &[number(
-        "coefficient",
-        "1",
-        core(CONSTANT, "restitution.coefficient"),
-        "Coefficient of restitution",
-    )],
+    keys: &model_core::constant_restitution_numbers!(of_rows! { keys }),
 };
 static VARIABLE_KIND: Kind = Kind {
     word: "velocity-dependent",
     meaning: "e(v) = at_speed + (at_rest − at_speed) exp(−|v| / reference_speed)",
-    keys: &[
-        number("at_rest", "1", core(VARIABLE, "restitution.at_rest"), "Coefficient in the limit of no speed"),
-        number(
-            "at_speed",
-            "1",
-            core(VARIABLE, "restitution.at_speed"),
-            "Coefficient in the limit of high speed",
-        ),
-        number(
-            "reference_speed_m_per_s",
-            "m/s",
-            core(VARIABLE, "restitution.reference_speed"),
-            "Speed over which the coefficient falls by a factor e",
-        ),
-    ],
+    keys: &model_core::variable_restitution_numbers!(of_rows! { keys }),
 };
 
 static INITIAL: Table = Table::of(INITIAL_KEYS);
@@ -109,13 +135,13 @@ pub(super) fn model(root: &mut Section<'_>) -> Result<Model, SceneError> {
 }
 
 fn parameters(mut section: Section<'_>) -> Result<ContactSeparationParameters, SceneError> {
-    let parameters = numbers!(section, ContactSeparationParameters {
-        mass_kg, stiffness_n_per_m, damping_ratio, initial_gap_m, electrode_area_m2, dielectric_thickness_m,
-        relative_permittivity, charge_density_c_per_m2, parasitic_capacitance_f;
-        force_law: force_law(&mut section)?,
-        stick_charge: stick_charge(&mut section)?,
-        restitution: restitution(section.table("restitution")?)?,
-    });
+    let parameters =
+        model_core::contact_separation_numbers!(of_rows! { read section ContactSeparationParameters {
+            parasitic_capacitance_f: section.number("parasitic_capacitance_f")?,
+            force_law: force_law(&mut section)?,
+            stick_charge: stick_charge(&mut section)?,
+            restitution: restitution(section.table("restitution")?)?,
+        } });
     bounds::natural_frequency(parameters.natural_frequency_hz(), "mass_kg", parameters.mass_kg)
         .map_err(|reason| section.refuse("stiffness_n_per_m", reason))?;
     section.finish()?;
@@ -125,9 +151,9 @@ fn parameters(mut section: Section<'_>) -> Result<ContactSeparationParameters, S
 fn restitution(mut section: Section<'_>) -> Result<Restitution, SceneError> {
     let varies = section.kind(&[(&CONSTANT_KIND, false), (&VARIABLE_KIND, true)])?;
     let restitution = if varies {
-        numbers!(section, Restitution::VelocityDependent { at_rest, at_speed, reference_speed_m_per_s; })
+        model_core::variable_restitution_numbers!(of_rows! { read section Restitution::VelocityDependent {} })
     } else {
-        numbers!(section, Restitution::Constant { coefficient; })
+        model_core::constant_restitution_numbers!(of_rows! { read section Restitution::Constant {} })
     };
     section.finish()?;
     Ok(restitution)

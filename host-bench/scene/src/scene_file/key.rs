@@ -181,6 +181,51 @@ impl Key {
     }
 }
 
+/// What a host has of the rows of a macro of numbers of the core, such as `model_core::contact_separation_numbers`: a part of
+/// the table of keys, a struct, what reads it from a section, the core's struct from it, or its numbers by the core's names.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! of_rows {
+    (keys [$($field:tt $key:ident
+        ($unit:literal $meaning:literal $lowest:literal $highest:literal $($limit:literal)?);)+]) => {
+        [$(number(stringify!($key), $unit, between($lowest, $highest), $meaning)$(.limit($limit))?),+]
+    };
+    ($(#[$meta:meta])* $visible:vis struct $name:ident { $($rest:tt)* }
+    [$($field:tt $key:ident ($unit:literal $meaning:literal $($bounds:tt)*);)+]) => {
+        $(#[$meta])*
+        $visible struct $name {
+            $(#[doc = concat!($meaning, "; unit ", $unit, ".")]
+            pub $key: f64,)+
+            $($rest)*
+        }
+    };
+    (read $section:ident $($name:ident)::+ { $($rest:tt)* } [$($field:tt $key:ident $meaning:tt;)+]) => {
+        $($name)::+ { $($key: $section.number(stringify!($key))?,)+ $($rest)* }
+    };
+    (core $from:ident $name:ident { $($rest:tt)* } [$(($field:ident) $key:ident $meaning:tt;)+]) => {
+        $name { $($field: S::from_f64($from.$key),)+ $($rest)* }
+    };
+    (names $from:ident [$(($field:ident) $key:ident $meaning:tt;)+]) => {
+        [$((stringify!($field), $from.$key)),+]
+    };
+}
+pub(super) use of_rows;
+
+/// The keys of some lists, in their order.
+pub(super) const fn joined<const N: usize>(lists: &[&[Key]]) -> [Key; N] {
+    let mut all = [lists[0][0]; N];
+    let (mut list, mut row, mut index) = (0, 0, 0);
+    while index < N {
+        if row == lists[list].len() {
+            (list, row) = (list + 1, 0);
+        }
+        all[index] = lists[list][row];
+        (row, index) = (row + 1, index + 1);
+    }
+    assert!(list + 1 == lists.len() && row == lists[list].len());
+    all
+}
+
 /// The words of a choice.
 pub(super) const fn words<T: Copy, const N: usize>(choices: &[(&'static str, T); N]) -> [&'static str; N] {
     let mut words = [""; N];

@@ -1,19 +1,20 @@
 //! A scene as plain numbers in SI units: what a scene file says once it has been checked.
 
-mod bump_stop;
 mod excitation;
 mod node;
-mod sliding;
 
 use std::path::PathBuf;
 
-pub use self::bump_stop::{
-    BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters, TipMassParameters,
-};
 pub use self::excitation::{Burst, BurstShape, Excitation, Random, Sweep, Tone, Trace};
 pub use self::node::{Action, HOURS, Knowing, Node, PartFigure, Storage};
-pub use self::sliding::{Sliding, SlidingParameters, SlidingStart};
+pub use super::bump_stop::{
+    BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters, TipMassParameters,
+};
+pub use super::contact_separation::{
+    ContactSeparation, ContactSeparationParameters, ContactSeparationStart, Restitution,
+};
 use super::document::SceneError;
+pub use super::sliding::{Sliding, SlidingParameters, SlidingStart};
 
 /// A checked scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,52 +86,6 @@ pub enum Model {
     BumpStop(BumpStop),
 }
 
-/// A contact-separation harvester and the state it starts in.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ContactSeparation {
-    /// Table `[parameters]`.
-    pub parameters: ContactSeparationParameters,
-    /// Table `[initial]`.
-    pub initial: ContactSeparationStart,
-}
-
-/// `[parameters]` of a contact-separation scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactSeparationParameters {
-    /// Moving mass in kg.
-    pub mass_kg: f64,
-    /// Spring stiffness in N/m.
-    pub stiffness_n_per_m: f64,
-    /// Damping ratio, `c / (2 √(k m))`.
-    pub damping_ratio: f64,
-    /// Gap in m at which the spring is unstretched.
-    pub initial_gap_m: f64,
-    /// Electrode area in m².
-    pub electrode_area_m2: f64,
-    /// Dielectric thickness in m.
-    pub dielectric_thickness_m: f64,
-    /// Relative permittivity of the dielectric.
-    pub relative_permittivity: f64,
-    /// Tribo-charge density in C/m², not negative.
-    pub charge_density_c_per_m2: f64,
-    /// Capacitance in parallel with the load, in F.
-    pub parasitic_capacitance_f: f64,
-    /// Electrostatic force law.
-    pub force_law: ForceLaw,
-    /// What the charge does while the mass is held on the dielectric.
-    pub stick_charge: StickCharge,
-    /// Coefficient of restitution.
-    pub restitution: Restitution,
-}
-
-impl ContactSeparationParameters {
-    /// Natural frequency in Hz of the mass on its spring, undamped and without the electrostatic force.
-    #[must_use]
-    pub fn natural_frequency_hz(&self) -> f64 {
-        (self.stiffness_n_per_m / self.mass_kg).sqrt() / std::f64::consts::TAU
-    }
-}
-
 /// Electrostatic force law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForceLaw {
@@ -151,36 +106,6 @@ pub enum StickCharge {
     Frozen,
     /// It goes on flowing through the load.
     Relaxing,
-}
-
-/// Coefficient of restitution.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Restitution {
-    /// The same at every speed.
-    Constant {
-        /// The coefficient, 0 to 1.
-        coefficient: f64,
-    },
-    /// `e(v) = at_speed + (at_rest − at_speed) exp(−|v| / reference_speed)`.
-    VelocityDependent {
-        /// Coefficient in the limit of no speed, 0 to 1.
-        at_rest: f64,
-        /// Coefficient in the limit of high speed, 0 to 1.
-        at_speed: f64,
-        /// Speed in m/s over which it falls by a factor e.
-        reference_speed_m_per_s: f64,
-    },
-}
-
-/// `[initial]` of a contact-separation scene; what is `None` takes its default.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ContactSeparationStart {
-    /// Gap in m; by default the unstretched gap.
-    pub gap_m: Option<f64>,
-    /// Velocity in m/s, opening positive; by default 0.
-    pub velocity_m_per_s: Option<f64>,
-    /// Transferred charge in C; by default that of no voltage at the gap.
-    pub charge_c: Option<f64>,
 }
 
 /// What is connected to the harvester.

@@ -1,19 +1,60 @@
 //! `[parameters]` and `[initial]` of a sliding scene.
 
 use model_core::part::friction::PatchFriction;
-use model_core::scene::sliding::{Parameters, Start};
+use model_core::scene::sliding::Start;
 
 use super::bounds::{self, CoreTable, Short, between};
 use super::document::SceneError;
-use super::key::{Kind, Table, Value, core, number, other};
+use super::key::{Key, Kind, Table, Value, core, joined, number, of_rows, other};
 use super::limits;
-use super::scene::{Model, Sliding, SlidingParameters, SlidingStart};
-use super::section::{Section, numbers};
+use super::scene::{ForceLaw, Model, StickCharge};
+use super::section::Section;
 use super::triboelectric::{FORCE_LAW, STICK_CHARGE, force_law, stick_charge};
 
-const P: CoreTable = Parameters::<f64, ()>::BOUNDS;
 const FRICTION: CoreTable = PatchFriction::<f64>::BOUNDS;
 const START: CoreTable = Start::<f64>::BOUNDS;
+
+/// A sliding harvester and the state it starts in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sliding {
+    /// Table `[parameters]`.
+    pub parameters: SlidingParameters,
+    /// Table `[initial]`.
+    pub initial: SlidingStart,
+}
+
+model_core::sliding_numbers! { of_rows! {
+    /// `[parameters]` of a sliding scene: a cantilever with a disc at its tip that rubs over two patches,
+    /// the active one (an electrode under the dielectric, in the middle) and the inert one around it.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct SlidingParameters {
+        /// Coefficient of static friction on the active patch.
+        pub static_friction_active: f64,
+        /// Coefficient of static friction on the inert patch.
+        pub static_friction_inert: f64,
+        /// Coefficient of kinetic friction on the active patch, not above the static one.
+        pub kinetic_friction_active: f64,
+        /// Coefficient of kinetic friction on the inert patch, not above the static one.
+        pub kinetic_friction_inert: f64,
+        /// Electrostatic force law.
+        pub force_law: ForceLaw,
+        /// What the charge does while the slider sticks.
+        pub stick_charge: StickCharge,
+        /// Whether the electrostatic force along the patches acts on the slider.
+        pub lateral_force: bool,
+    }
+} }
+
+/// `[initial]` of a sliding scene; what is `None` takes its default.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SlidingStart {
+    /// Displacement in m of the slider from the middle of the active patch; by default 0.
+    pub displacement_m: Option<f64>,
+    /// Velocity in m/s relative to the patches; by default 0.
+    pub velocity_m_per_s: Option<f64>,
+    /// Transferred charge in C; by default that of no voltage at the displacement.
+    pub charge_c: Option<f64>,
+}
 
 /// The scene.
 pub(super) static KIND: Kind = Kind {
@@ -28,55 +69,45 @@ pub(super) static KIND: Kind = Kind {
     ],
 };
 
-static PARAMETERS: Table = Table::of(&[
-    number("beam_length_m", "m", core(P, "beam_length"), "Length of the cantilever")
-        .limit("natural frequency 1e-3 to 1e4 Hz"),
-    number("beam_width_m", "m", core(P, "beam_width"), "Width of the cantilever"),
-    number("beam_thickness_m", "m", core(P, "beam_thickness"), "Thickness of the cantilever"),
-    number("young_modulus_pa", "Pa", core(P, "young_modulus"), "Young's modulus of the cantilever"),
-    number("density_kg_per_m3", "kg/m³", core(P, "density"), "Density of the cantilever"),
-    number("damping_ratio", "1", core(P, "damping_ratio"), "Damping ratio, without friction"),
-    number("slider_mass_kg", "kg", core(P, "slider_mass"), "Mass at the tip"),
-    number("patch_radius_m", "m", core(P, "patch_radius"), "Radius of the slider and of each patch"),
-    number(
-        "static_friction_active",
-        "1",
-        core(FRICTION, "static_friction_active"),
-        "Static friction on the electrode",
-    ),
-    number(
-        "static_friction_inert",
-        "1",
-        core(FRICTION, "static_friction_inert"),
-        "Static friction on the inert patch",
-    ),
-    // These have the bounds of what each may at most be; the reader compares the two.
-    number(
-        "kinetic_friction_active",
-        "1",
-        core(FRICTION, "static_friction_active"),
-        "Kinetic friction on the electrode",
-    )
-    .limit("at most `static_friction_active`"),
-    number(
-        "kinetic_friction_inert",
-        "1",
-        core(FRICTION, "static_friction_inert"),
-        "Kinetic friction on the inert patch",
-    )
-    .limit("at most `static_friction_inert`"),
-    number("dielectric_thickness_m", "m", core(P, "dielectric_thickness"), "Thickness of the dielectric"),
-    number(
-        "relative_permittivity",
-        "1",
-        core(P, "relative_permittivity"),
-        "Relative permittivity of the dielectric",
-    ),
-    number("charge_density_c_per_m2", "C/m²", core(P, "charge_density"), "Density of the tribo-charge"),
-    FORCE_LAW,
-    STICK_CHARGE,
-    other("lateral_force", Value::Flag, "Whether the field's force along the patch acts on the slider"),
-]);
+const NUMBERS: [Key; 11] = model_core::sliding_numbers!(of_rows! { keys });
+static PARAMETERS: Table = Table::of(&joined::<18>(&[
+    NUMBERS.split_at(8).0,
+    &[
+        number(
+            "static_friction_active",
+            "1",
+            core(FRICTION, "static_friction_active"),
+            "Static friction on the electrode",
+        ),
+        number(
+            "static_friction_inert",
+            "1",
+            core(FRICTION, "static_friction_inert"),
+            "Static friction on the inert patch",
+        ),
+        // These have the bounds of what each may at most be; the reader compares the two.
+        number(
+            "kinetic_friction_active",
+            "1",
+            core(FRICTION, "static_friction_active"),
+            "Kinetic friction on the electrode",
+        )
+        .limit("at most `static_friction_active`"),
+        number(
+            "kinetic_friction_inert",
+            "1",
+            core(FRICTION, "static_friction_inert"),
+            "Kinetic friction on the inert patch",
+        )
+        .limit("at most `static_friction_inert`"),
+    ],
+    NUMBERS.split_at(8).1,
+    &[
+        FORCE_LAW,
+        STICK_CHARGE,
+        other("lateral_force", Value::Flag, "Whether the field's force along the patch acts on the slider"),
+    ],
+]));
 
 static INITIAL: Table = Table::of(&[
     // Twice the largest patch radius; the radius of the scene is checked beside it.
@@ -99,14 +130,15 @@ pub(super) fn model(root: &mut Section<'_>) -> Result<Model, SceneError> {
 }
 
 fn parameters(mut section: Section<'_>) -> Result<SlidingParameters, SceneError> {
-    let p = numbers!(section, SlidingParameters {
-        beam_length_m, beam_width_m, beam_thickness_m, young_modulus_pa, density_kg_per_m3, damping_ratio,
-        slider_mass_kg, patch_radius_m, static_friction_active, static_friction_inert, kinetic_friction_active,
-        kinetic_friction_inert, dielectric_thickness_m, relative_permittivity, charge_density_c_per_m2;
+    let p = model_core::sliding_numbers!(of_rows! { read section SlidingParameters {
+        static_friction_active: section.number("static_friction_active")?,
+        static_friction_inert: section.number("static_friction_inert")?,
+        kinetic_friction_active: section.number("kinetic_friction_active")?,
+        kinetic_friction_inert: section.number("kinetic_friction_inert")?,
         force_law: force_law(&mut section)?,
         stick_charge: stick_charge(&mut section)?,
         lateral_force: section.flag("lateral_force")?,
-    });
+    } });
     // Kinetic friction above the static one leaves no consistent mode: the slider would let go and stop at once.
     let [active, inert] = ["static_friction_active", "static_friction_inert"];
     for (key, kinetic, other, at_rest) in [

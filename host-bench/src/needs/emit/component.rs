@@ -84,14 +84,8 @@ pub(super) fn stop(stop: &StopParameters) -> Component {
 }
 
 pub(super) fn tip_mass(body: &TipMassParameters) -> Component {
-    with_fields(
-        "TipMass",
-        &[
-            ("mass", number(body.mass_kg)),
-            ("rotary_inertia", number(body.rotary_inertia_kg_m2)),
-            ("offset", number(body.offset_m)),
-        ],
-    )
+    let fields = model_core::tip_mass_numbers!(harvester_scene::of_rows! { names body });
+    with_fields("TipMass", &fields.map(|(field, value)| (field, number(value))))
 }
 
 /// The bridge, and the type of its storage; `None` where the load is a resistor.

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::super::Case;
-use super::{BUMP_STOP, CONTACT_SEPARATION, Drawing, Row, SLIDING, draw, text};
+use super::{BUMP_STOP, CONTACT_SEPARATION, Drawing, Drawn, SLIDING, draw, text};
 
 /// What a featured case has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +43,7 @@ const SPREAD: f64 = 0.1;
 /// A shipped scene as a base of featured ones.
 struct Base {
     name: &'static str,
-    rows: &'static [Row],
+    drawn: Drawn,
     natural_hz: f64,
     /// Amplitudes of the base in m/s² and loads in Ω.
     amplitudes: [f64; 2],
@@ -54,7 +54,7 @@ struct Base {
 const BASES: [Base; 4] = [
     Base {
         name: "contact-separation",
-        rows: &CONTACT_SEPARATION,
+        drawn: CONTACT_SEPARATION,
         natural_hz: 20.13,
         amplitudes: [0.3, 8.0],
         resistances: [1e5, 1e10],
@@ -62,7 +62,7 @@ const BASES: [Base; 4] = [
     },
     Base {
         name: "sliding",
-        rows: &SLIDING,
+        drawn: SLIDING,
         natural_hz: 18.373,
         amplitudes: [0.5, 5.0],
         resistances: [1e5, 1e10],
@@ -70,7 +70,7 @@ const BASES: [Base; 4] = [
     },
     Base {
         name: "bump-stop",
-        rows: &BUMP_STOP,
+        drawn: BUMP_STOP,
         natural_hz: 240.0,
         amplitudes: [1.0, 50.0],
         resistances: [1e3, 1e7],
@@ -78,7 +78,7 @@ const BASES: [Base; 4] = [
     },
     Base {
         name: "contact-separation-passive",
-        rows: &CONTACT_SEPARATION,
+        drawn: CONTACT_SEPARATION,
         natural_hz: 20.13,
         amplitudes: [1.0, 4.0],
         resistances: [1e7, 1e9],
@@ -109,7 +109,7 @@ impl Drawing {
         };
         let base = &BASES[index];
         if self.source.chance(0.5) {
-            self.multiply("parameters", base.rows, SPREAD);
+            self.multiply(base.drawn, SPREAD);
         }
         self.featured_load(base, feature);
         let factor = self.source.uniform(0.85, 1.15);

@@ -33,31 +33,26 @@
 //! rows, for displacement and slope; its determinant is the equation above over `1 − cos λ cosh λ`.
 
 use super::{BeamMode, Cantilever, MOST_HALVINGS, SERIES_REACH, SUMMED, fourth_series, sine_and_cosine};
-use crate::bounds::{Bounds, ParameterError, bounded};
+use crate::bounds::{Bounds, ParameterError, parameters};
 use crate::scalar::{Mathematics, Scalar};
 
+parameters! { $ tip_mass_numbers "tip_mass."
 /// A rigid body at the tip of a [`Cantilever`].
 ///
 /// The flexible length of the beam ends where the body begins: a block of the length `l` beyond this end has an offset of
-/// `l/2`.
+/// `l/2`, and a rotary inertia of `M (l² + h²)/12`. The largest ratios to the beam are [`TipMass::LARGEST_RATIOS`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TipMass<S> {
-    /// Mass `M` in kg, 0 to 10³ and at most 10⁶ masses of the beam.
-    pub mass: S,
-    /// Rotary inertia `I` in kg·m² about the body's own centre of mass, for rotation in the plane of bending, 0 to 10³
-    /// and at most 10⁶ masses of the beam times the square of its length. For a block it is `M (l² + h²)/12`.
-    pub rotary_inertia: S,
-    /// Distance `d` in m of the body's centre of mass beyond the tip, along the beam, 0 to 10 and at most 10 lengths of
-    /// the beam.
-    pub offset: S,
-}
-
-bounded! { TipMass<S>:
-    "tip_mass.mass" = mass: 0.0, 1e3;
-    "tip_mass.rotary_inertia" = rotary_inertia: 0.0, 1e3;
-    "tip_mass.offset" = offset: 0.0, 10.0;
-}
+    {
+        mass "`M`": mass_kg "kg" 0.0..=1e3 "Mass" "at most 1e6 masses of the beam; mode frequencies 1e-2 to 1e8 Hz";
+        rotary_inertia "`I`": rotary_inertia_kg_m2 "kg·m²" 0.0..=1e3
+            "Moment of inertia about the body's own centre of mass, in the plane of bending"
+            "at most 1e6 masses of the beam times the square of its length";
+        offset "`d`": offset_m "m" 0.0..=10.0 "Centre of mass beyond the end of the cantilever"
+            "at most 10 lengths of the beam";
+    }
+} }
 
 impl<S: Scalar> TipMass<S> {
     /// Largest mass over that of the beam, rotary inertia over the beam's mass times its length squared, and offset over

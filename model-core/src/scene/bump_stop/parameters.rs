@@ -4,7 +4,7 @@ use super::circuit::Circuit;
 use super::stop::StopChoice;
 use super::tip_mass::TipMassChoice;
 use super::{BeamCoefficients, BumpStop, Choices, Parts, RodCoefficients};
-use crate::bounds::{Bounds, ParameterError, bounded};
+use crate::bounds::{Bounds, ParameterError, parameters};
 use crate::part::beam::{BeamMode, Cantilever};
 use crate::part::monomorph::{Layer, Monomorph};
 use crate::part::rod::Rod;
@@ -37,19 +37,23 @@ fn check_frequency<S: Scalar>(field: &'static str, angular_frequency: S) -> Resu
     Bounds::new(1e-3, 1e8).check(field, frequency)
 }
 
-bounded! { Parameters<S, C>:
-    "beam_length" = beam_length: 1e-4, 10.0;
-    "beam_width" = beam_width: 1e-5, 10.0;
-    "substrate_thickness" = substrate.thickness: 1e-7, 1.0;
-    "substrate_young_modulus" = substrate.young_modulus: 1e5, 1e15;
-    "substrate_density" = substrate.density: 1.0, 1e5;
-    "piezo_thickness" = piezo.thickness: 1e-7, 1.0;
-    "piezo_young_modulus" = piezo.young_modulus: 1e5, 1e15;
-    "piezo_density" = piezo.density: 1.0, 1e5;
-    "piezo_d31" = piezo_d31: -1e-8, 1e-8;
-    "piezo_permittivity" = piezo_permittivity: 1e-12, 1e-6;
-    "damping_ratio" = damping_ratio: 0.0, 0.9;
-}
+parameters! { $ bump_stop_numbers for Parameters<S, C> {
+    "beam_length" = beam_length: beam_length_m "m" 1e-4..=10.0
+        "Flexible length: to the tip mass where there is one" "mode frequencies 1e-2 to 1e8 Hz";
+    "beam_width" = beam_width: beam_width_m "m" 1e-5..=10.0 "Width of the cantilever";
+    "substrate_thickness" = substrate.thickness: substrate_thickness_m "m" 1e-7..=1.0 "Thickness of the substrate";
+    "substrate_young_modulus" = substrate.young_modulus: substrate_young_modulus_pa "Pa" 1e5..=1e15
+        "Young's modulus of the substrate";
+    "substrate_density" = substrate.density: substrate_density_kg_per_m3 "kg/m³" 1.0..=1e5 "Density of the substrate";
+    "piezo_thickness" = piezo.thickness: piezo_thickness_m "m" 1e-7..=1.0 "Thickness of the piezoelectric layer";
+    "piezo_young_modulus" = piezo.young_modulus: piezo_young_modulus_pa "Pa" 1e5..=1e15
+        "Young's modulus of the layer, short circuit";
+    "piezo_density" = piezo.density: piezo_density_kg_per_m3 "kg/m³" 1.0..=1e5 "Density of the piezoelectric layer";
+    "piezo_d31" = piezo_d31: piezo_d31_m_per_v "m/V" -1e-8..=1e-8 "Piezoelectric constant d31; its sign does not matter";
+    "piezo_permittivity" = piezo_permittivity: piezo_permittivity_f_per_m "F/m" 1e-12..=1e-6
+        "Permittivity ε33 at constant strain";
+    "damping_ratio" = damping_ratio: damping_ratio "1" 0.0..=0.9 "Damping ratio of every mode of cantilever and rod";
+} }
 
 impl<S: Scalar, C> Parameters<S, C> {
     /// Checks the parameters and computes the coefficients of `B` beam modes, at least 1, and `R` rod modes.

@@ -1,7 +1,7 @@
 //! Parameters, and the coefficients derived from them.
 
 use super::{Choices, ContactSeparation, Parts};
-use crate::bounds::{Bounds, ParameterError, bounded};
+use crate::bounds::{Bounds, ParameterError, parameters, with_choices};
 use crate::part::VACUUM_PERMITTIVITY;
 use crate::part::load::{Load, Resistance};
 use crate::part::parasitic::Parasitic;
@@ -9,57 +9,29 @@ use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
 use crate::scene::NATURAL_FREQUENCY;
 
+parameters! { $ contact_separation_numbers ""
 /// Parameters of a contact-separation harvester, in SI units. Table 2 of Fu, Ouyang and Davis (2020).
+///
+/// The natural frequency `√(k/m)/2π` must be from 10⁻³ to 10⁴ Hz. A negative density of the tribo-charge would reverse the
+/// signs of charge and voltage only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters<S, C> {
-    /// Moving mass `m` in kg, 10⁻¹² to 10³.
-    pub mass: S,
-    /// Stiffness `k` in N/m, 10⁻⁹ to 10⁹; `√(k/m)/2π` must be from 10⁻³ to 10⁴ Hz.
-    pub stiffness: S,
-    /// Damping ratio `ζ = c / (2 √(k m))`, 0 to 10.
-    pub damping_ratio: S,
-    /// Gap `d0` at rest in m, 10⁻⁹ to 1.
-    pub initial_gap: S,
-    /// Electrode area `S` in m², 10⁻¹² to 10.
-    pub electrode_area: S,
-    /// Thickness `d` of the dielectric in m, 10⁻⁹ to 0.1.
-    pub dielectric_thickness: S,
-    /// Relative permittivity `ε_r` of the dielectric, 1 to 10⁵.
-    pub relative_permittivity: S,
-    /// Magnitude of the tribo-charge surface density `σ` in C/m², 0 to 10⁻². A negative `σ` reverses the signs of
-    /// charge and voltage only.
-    pub charge_density: S,
+    {
+        mass "`m`": mass_kg "kg" 1e-12..=1e3 "Moving mass";
+        stiffness "`k`": stiffness_n_per_m "N/m" 1e-9..=1e9 "Stiffness of the spring" "natural frequency 1e-3 to 1e4 Hz";
+        damping_ratio "`ζ`": damping_ratio "1" 0.0..=10.0 "Damping ratio, c / (2 √(k m))";
+        initial_gap "`d0`": initial_gap_m "m" 1e-9..=1.0 "Gap at which the spring is unstretched";
+        electrode_area "`S`": electrode_area_m2 "m²" 1e-12..=10.0 "Area of the electrode";
+        dielectric_thickness "`d`": dielectric_thickness_m "m" 1e-9..=0.1 "Thickness of the dielectric";
+        relative_permittivity "`ε_r`": relative_permittivity "1" 1.0..=1e5 "Relative permittivity of the dielectric";
+        charge_density "`σ`": charge_density_c_per_m2 "C/m²" 0.0..=1e-2 "Density of the tribo-charge";
+    }
     /// The components: [`Choices`].
     pub choices: C,
-}
-
-bounded! { Parameters<S, C>:
-    "mass" = mass: 1e-12, 1e3;
-    "stiffness" = stiffness: 1e-9, 1e9;
-    "damping_ratio" = damping_ratio: 0.0, 10.0;
-    "initial_gap" = initial_gap: 1e-9, 1.0;
-    "electrode_area" = electrode_area: 1e-12, 10.0;
-    "dielectric_thickness" = dielectric_thickness: 1e-9, 0.1;
-    "relative_permittivity" = relative_permittivity: 1.0, 1e5;
-    "charge_density" = charge_density: 0.0, 1e-2;
-}
+} }
 
 impl<S: Scalar, C> Parameters<S, C> {
-    /// The same numbers with other components.
-    #[must_use]
-    pub fn with_choices<D>(self, choices: D) -> Parameters<S, D> {
-        Parameters {
-            mass: self.mass,
-            stiffness: self.stiffness,
-            damping_ratio: self.damping_ratio,
-            initial_gap: self.initial_gap,
-            electrode_area: self.electrode_area,
-            dielectric_thickness: self.dielectric_thickness,
-            relative_permittivity: self.relative_permittivity,
-            charge_density: self.charge_density,
-            choices,
-        }
-    }
+    contact_separation_numbers! { with_choices! {} }
 
     /// Checks the parameters and computes the coefficients.
     ///

@@ -2,77 +2,39 @@
 
 use super::force_law::Surface;
 use super::{Choices, Friction, Parts, Sliding};
-use crate::bounds::{Bounds, ParameterError, bounded};
+use crate::bounds::{Bounds, ParameterError, parameters, with_choices};
 use crate::part::beam::Cantilever;
 use crate::part::load::{Load, Resistance};
 use crate::part::{GRAVITY, VACUUM_PERMITTIVITY};
 use crate::scalar::Scalar;
 use crate::scene::NATURAL_FREQUENCY;
 
+parameters! { $ sliding_numbers ""
 /// Parameters of a sliding harvester, in SI units. Table 1 of Fu, Ouyang and Davis (2020).
+///
+/// The beam bends in the direction of its thickness. The natural frequency with the slider must be from 10⁻³ to 10⁴ Hz. A
+/// negative density of the tribo-charge would reverse the signs of charge and voltage only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters<S, C> {
-    /// Length `L` of the beam in m, 10⁻⁴ to 10.
-    pub beam_length: S,
-    /// Width `b` of the beam in m, 10⁻⁵ to 10.
-    pub beam_width: S,
-    /// Thickness `h` of the beam, in the direction of bending, in m, 10⁻⁷ to 1; the natural frequency must be from
-    /// 10⁻³ to 10⁴ Hz.
-    pub beam_thickness: S,
-    /// Young's modulus `E` in Pa, 10⁵ to 10¹³.
-    pub young_modulus: S,
-    /// Density `ρ` of the beam in kg/m³, 1 to 10⁵.
-    pub density: S,
-    /// Damping ratio `ζ` of the first mode, 0 to 10.
-    pub damping_ratio: S,
-    /// Mass `m` of the slider in kg, 10⁻¹² to 10³.
-    pub slider_mass: S,
-    /// Radius `r` of the slider and the active patch in m, 10⁻⁶ to 1.
-    pub patch_radius: S,
-    /// Thickness `d` of the dielectric in m, 10⁻⁹ to 0.1.
-    pub dielectric_thickness: S,
-    /// Relative permittivity `ε_r` of the dielectric, 1 to 10⁵.
-    pub relative_permittivity: S,
-    /// Magnitude of the tribo-charge surface density `σ` in C/m², 0 to 10⁻². A negative `σ` reverses the signs of
-    /// charge and voltage only.
-    pub charge_density: S,
+    {
+        beam_length "`L`": beam_length_m "m" 1e-4..=10.0 "Length of the cantilever" "natural frequency 1e-3 to 1e4 Hz";
+        beam_width "`b`": beam_width_m "m" 1e-5..=10.0 "Width of the cantilever";
+        beam_thickness "`h`": beam_thickness_m "m" 1e-7..=1.0 "Thickness of the cantilever";
+        young_modulus "`E`": young_modulus_pa "Pa" 1e5..=1e13 "Young's modulus of the cantilever";
+        density "`ρ`": density_kg_per_m3 "kg/m³" 1.0..=1e5 "Density of the cantilever";
+        damping_ratio "`ζ`": damping_ratio "1" 0.0..=10.0 "Damping ratio, without friction";
+        slider_mass "`m`": slider_mass_kg "kg" 1e-12..=1e3 "Mass at the tip";
+        patch_radius "`r`": patch_radius_m "m" 1e-6..=1.0 "Radius of the slider and of each patch";
+        dielectric_thickness "`d`": dielectric_thickness_m "m" 1e-9..=0.1 "Thickness of the dielectric";
+        relative_permittivity "`ε_r`": relative_permittivity "1" 1.0..=1e5 "Relative permittivity of the dielectric";
+        charge_density "`σ`": charge_density_c_per_m2 "C/m²" 0.0..=1e-2 "Density of the tribo-charge";
+    }
     /// The components: [`Choices`].
     pub choices: C,
-}
-
-bounded! { Parameters<S, C>:
-    "beam_length" = beam_length: 1e-4, 10.0;
-    "beam_width" = beam_width: 1e-5, 10.0;
-    "beam_thickness" = beam_thickness: 1e-7, 1.0;
-    "young_modulus" = young_modulus: 1e5, 1e13;
-    "density" = density: 1.0, 1e5;
-    "damping_ratio" = damping_ratio: 0.0, 10.0;
-    "slider_mass" = slider_mass: 1e-12, 1e3;
-    "patch_radius" = patch_radius: 1e-6, 1.0;
-    "dielectric_thickness" = dielectric_thickness: 1e-9, 0.1;
-    "relative_permittivity" = relative_permittivity: 1.0, 1e5;
-    "charge_density" = charge_density: 0.0, 1e-2;
-}
+} }
 
 impl<S: Scalar, C> Parameters<S, C> {
-    /// The same numbers with other components.
-    #[must_use]
-    pub fn with_choices<D>(self, choices: D) -> Parameters<S, D> {
-        Parameters {
-            beam_length: self.beam_length,
-            beam_width: self.beam_width,
-            beam_thickness: self.beam_thickness,
-            young_modulus: self.young_modulus,
-            density: self.density,
-            damping_ratio: self.damping_ratio,
-            slider_mass: self.slider_mass,
-            patch_radius: self.patch_radius,
-            dielectric_thickness: self.dielectric_thickness,
-            relative_permittivity: self.relative_permittivity,
-            charge_density: self.charge_density,
-            choices,
-        }
-    }
+    sliding_numbers! { with_choices! {} }
 
     /// Checks the parameters and computes the coefficients.
     ///
