@@ -1,6 +1,7 @@
 //! Harvested energy: meters, the estimator of a node, the energy ledger, and the energy budget of a node.
 
 mod account;
+pub(crate) mod battery;
 mod budget;
 pub mod estimator;
 mod forecast;
@@ -13,6 +14,7 @@ mod storage;
 
 pub use crate::integrate::cubic::Peak;
 pub use account::Account;
+pub use battery::{Battery, BatteryCurve};
 pub use budget::{Action, Budget, BudgetParameters, BudgetState};
 pub use estimator::{Estimate, Estimator, Uncertainty};
 pub use income::IncomeParameters;

@@ -27,7 +27,9 @@ mod voltage;
 pub use board::{Board, Fault, Runner, SaveError, Step};
 pub use map::{Bursts, Finding, MapNode, MapParameters, MapState, Modelled, NodeError, Sensor, Yield};
 pub use tier::{Gap, IncomeOfTime, Progress, StoreReading, Task, Tier, Wake};
-pub use voltage::{Tolerances, VoltageNode, VoltageParameters, VoltageState};
+pub use voltage::{
+    BatteryElement, CapacitorElement, Element, Tolerances, VoltageNode, VoltageParameters, VoltageState,
+};
 
 pub use crate::energy::{Capacitor, ResponseMap, StorageParameters};
 pub use crate::excitation::LineBank;

@@ -5,6 +5,7 @@
 //! this case and the rounding of the arithmetic. The caller raises it by the uncertainty of income and expenditure.
 
 use super::account::{Account, AccountSums};
+use super::battery::BatteryCurve;
 use super::forecast::SlotRelaxations;
 use super::income::{DAY_SECONDS, Income, IncomeParameters, IncomeState};
 use super::storage::{Relaxation, Storage, StorageParameters};
@@ -76,7 +77,7 @@ pub struct BudgetParameters<S> {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Budget<S, const SLOTS: usize> {
+pub struct Budget<S: 'static, const SLOTS: usize> {
     pub(super) storage: Storage<S>,
     pub(super) income: Income<S, SLOTS>,
     pub(super) standing_power: S,
@@ -149,8 +150,26 @@ impl<S: Scalar> BudgetParameters<S> {
     /// # Errors
     /// The first field outside its bounds.
     pub fn build<const SLOTS: usize>(self) -> Result<Budget<S, SLOTS>, ParameterError<S>> {
+        self.build_on(self.storage.build())
+    }
+
+    /// As [`Self::build`], with a battery beside the capacitor of the storage.
+    ///
+    /// # Errors
+    /// The first field outside its bounds.
+    pub fn build_with_battery<const SLOTS: usize>(
+        self,
+        battery: &'static BatteryCurve<S>,
+    ) -> Result<Budget<S, SLOTS>, ParameterError<S>> {
+        self.build_on(self.storage.build_with_battery(battery))
+    }
+
+    fn build_on<const SLOTS: usize>(
+        self,
+        storage: Result<Storage<S>, ParameterError<S>>,
+    ) -> Result<Budget<S, SLOTS>, ParameterError<S>> {
         Bounds::new(0.0, 1e6).check("standing_power", self.standing_power)?;
-        let storage = self.storage.build()?;
+        let storage = storage?;
         let day = S::from_u32(DAY_SECONDS);
         Ok(Budget {
             income: self.income.build()?,

@@ -24,7 +24,7 @@ pub(super) struct Stretch<S> {
 
 /// The coming day in `SLOTS + 1` stretches.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Forecast<'a, S, const SLOTS: usize> {
+pub(super) struct Forecast<'a, S: 'static, const SLOTS: usize> {
     storage: &'a Storage<S>,
     income: &'a IncomeState<S, SLOTS>,
     /// Part of the expected income that is counted.

@@ -11,6 +11,7 @@
 //! voltage the load is disconnected until the voltage reaches the turn-on voltage. Converters lose a constant
 //! part of the energy that they convert; their idle power belongs to the load.
 
+use super::battery::BatteryCurve;
 use crate::bounds::{Bounds, ParameterError, bounded};
 use crate::part::storage::Capacitor;
 use crate::scalar::{Mathematics, Scalar, horner};
@@ -49,26 +50,58 @@ impl<S: Scalar> StorageParameters<S> {
     /// # Errors
     /// The first field outside its bounds.
     pub fn build(self) -> Result<Storage<S>, ParameterError<S>> {
-        self.check_numbers()?;
-        let highest = self.highest_voltage;
-        Bounds { lowest: S::ZERO, highest }.check("lock_out_voltage", self.lock_out_voltage)?;
-        Bounds { lowest: self.lock_out_voltage, highest }.check("turn_on_voltage", self.turn_on_voltage)?;
+        self.check()?;
         let half_capacitance = S::from_f64(0.5) * self.capacitor.capacitance;
         let energy = |voltage: S| half_capacitance * voltage * voltage;
         Ok(Storage {
             leakage_rate: S::ONE / (half_capacitance * self.capacitor.leakage_resistance),
             drawn_per_used: S::ONE / self.discharging_efficiency,
-            capacity: energy(highest),
+            capacity: energy(self.highest_voltage),
             lock_out: energy(self.lock_out_voltage),
             parameters: self,
+            battery: None,
         })
+    }
+
+    /// Checks the parameters, with a battery beside the capacitor. The leakage resistance counts as at the highest voltage.
+    ///
+    /// # Errors
+    /// The first field outside its bounds; lock-out and highest voltage must be within those of the battery.
+    pub fn build_with_battery(
+        self,
+        battery: &'static BatteryCurve<S>,
+    ) -> Result<Storage<S>, ParameterError<S>> {
+        self.check()?;
+        battery.voltages.check("lock_out_voltage", self.lock_out_voltage)?;
+        battery.voltages.check("highest_voltage", self.highest_voltage)?;
+        let highest = self.highest_voltage;
+        let capacity = battery.energy(highest);
+        let leaking = highest * highest / (self.capacitor.leakage_resistance * capacity);
+        Ok(Storage {
+            leakage_rate: battery.self_discharge + leaking,
+            drawn_per_used: S::ONE / self.discharging_efficiency,
+            capacity,
+            lock_out: battery.energy(self.lock_out_voltage),
+            parameters: Self {
+                charging_efficiency: battery.charging_efficiency * self.charging_efficiency,
+                ..self
+            },
+            battery: Some(battery),
+        })
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        self.check_numbers()?;
+        let highest = self.highest_voltage;
+        Bounds { lowest: S::ZERO, highest }.check("lock_out_voltage", self.lock_out_voltage)?;
+        Bounds { lowest: self.lock_out_voltage, highest }.check("turn_on_voltage", self.turn_on_voltage)
     }
 }
 
 /// A storage with checked parameters. Energies are in J at the storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Storage<S> {
+pub struct Storage<S: 'static> {
     parameters: StorageParameters<S>,
     /// `λ` in 1/s.
     leakage_rate: S,
@@ -76,18 +109,22 @@ pub struct Storage<S> {
     drawn_per_used: S,
     capacity: S,
     lock_out: S,
+    battery: Option<&'static BatteryCurve<S>>,
 }
 
 impl<S: Scalar> Storage<S> {
-    /// The parameters.
+    /// The parameters; of a storage with a battery the charging efficiency is that of both.
     #[must_use]
     pub fn parameters(&self) -> &StorageParameters<S> {
         &self.parameters
     }
 
-    /// Stored energy in J at a voltage in V, without the limit of the highest voltage.
+    /// Stored energy in J at a voltage in V, of a battery the open-circuit voltage, without the limit of the highest voltage.
     #[must_use]
     pub fn energy(&self, voltage: S) -> S {
+        if let Some(battery) = self.battery {
+            return battery.energy(voltage);
+        }
         S::from_f64(0.5) * self.parameters.capacitor.capacitance * voltage * voltage
     }
 
@@ -95,6 +132,9 @@ impl<S: Scalar> Storage<S> {
     #[must_use]
     #[inline(never)]
     pub fn voltage(&self, energy: S) -> S {
+        if let Some(battery) = self.battery {
+            return battery.voltage(energy);
+        }
         (S::from_f64(2.0) * energy / self.parameters.capacitor.capacitance).sqrt()
     }
 
@@ -110,6 +150,9 @@ impl<S: Scalar> Storage<S> {
             self.parameters.lock_out_voltage,
             self.parameters.turn_on_voltage,
         ]);
+        if let Some(battery) = self.battery {
+            battery.identify(fingerprint);
+        }
     }
 
     /// Energy in J at the highest voltage.

@@ -22,14 +22,17 @@ pub use finding::{Finding, Modelled, Yield};
 pub use parameters::{Bursts, MapParameters, NodeError, Sensor};
 
 use super::tier::{BOUND, IncomeOfTime, StoreReading};
+use super::voltage::{BatteryElement, CapacitorElement, Element};
 use super::voltage::{Beside, Told};
 use super::{Gap, HOUR, Progress, Task, Tier, VoltageNode, VoltageState, Wake, real};
-use crate::energy::ResponseMap;
+use crate::bounds::ParameterError;
 use crate::energy::response_map::Words;
+use crate::energy::{Battery, ResponseMap};
 use crate::excitation::{LineBank, LineBankState};
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint, Reader, Snapshot, Writer, snapshot_fields};
 use finding::{Blocks, Motion};
+use gain::LOWEST_GAIN;
 use income::{Held, ModelledEnergy};
 
 /// Seconds after its end at which a burst that is not complete is given up.
@@ -42,8 +45,14 @@ const UNCERTAIN: f32 = 0.1;
 
 /// A node with its map in `W`, and a bank of sections of at most `M` samples and blocks of `P` sections.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MapNode<W: Words, const M: usize, const P: usize, const ACTIONS: usize> {
-    voltage: VoltageNode<ACTIONS>,
+pub struct MapNode<
+    W: Words,
+    const M: usize,
+    const P: usize,
+    const ACTIONS: usize,
+    E: Element = CapacitorElement,
+> {
+    voltage: VoltageNode<ACTIONS, E>,
     map: ResponseMap<W>,
     bank: LineBank<M, P>,
     parameters: MapParameters<ACTIONS>,
@@ -147,6 +156,14 @@ impl<const P: usize, const ACTIONS: usize> MapState<P, ACTIONS> {
         self.bursts
     }
 
+    /// Takes a gain that was measured once, 10⁻³ to 10³, with the relative standard deviation of its error, 0 to 10; another one is
+    /// ignored. On a storage that tells little, such as a battery, a node learns its gain by no other way.
+    pub fn set_gain(&mut self, gain: f32, deviation: f32) {
+        if (LOWEST_GAIN..=1.0 / LOWEST_GAIN).contains(&gain) && (0.0..=10.0).contains(&deviation) {
+            (self.gain, self.of_gain) = (gain, gain * gain * deviation * deviation);
+        }
+    }
+
     /// Asks for a burst after the next reading, whatever it is worth: for [`MapNode::power`].
     pub fn ask_for_burst(&mut self) {
         self.is_asked = true;
@@ -164,7 +181,37 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
         bank: LineBank<M, P>,
         parameters: MapParameters<ACTIONS>,
     ) -> Result<Self, NodeError> {
-        let voltage = match parameters.voltage.build() {
+        Self::of_voltage(map, bank, parameters, parameters.voltage.build())
+    }
+}
+
+impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize>
+    MapNode<W, M, P, ACTIONS, BatteryElement>
+{
+    /// As [`MapNode::new`], with a battery beside the capacitor.
+    ///
+    /// # Errors
+    /// As [`MapNode::new`].
+    pub const fn with_battery(
+        map: ResponseMap<W>,
+        bank: LineBank<M, P>,
+        parameters: MapParameters<ACTIONS>,
+        battery: Battery,
+    ) -> Result<Self, NodeError> {
+        Self::of_voltage(map, bank, parameters, parameters.voltage.build_with_battery(battery))
+    }
+}
+
+impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
+    MapNode<W, M, P, ACTIONS, E>
+{
+    const fn of_voltage(
+        map: ResponseMap<W>,
+        bank: LineBank<M, P>,
+        parameters: MapParameters<ACTIONS>,
+        voltage: Result<VoltageNode<ACTIONS, E>, ParameterError<f32>>,
+    ) -> Result<Self, NodeError> {
+        let voltage = match voltage {
             Ok(voltage) => voltage,
             Err(error) => return Err(NodeError::Parameter(error)),
         };
@@ -304,7 +351,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
         }
         let is_silent = state.voltage.last_reading() == Some(StoreReading::Silent);
         if !state.held.is_known {
-            return is_silent;
+            return is_silent || self.voltage.is_mute(&state.voltage);
         }
         // The time after which a burst narrows the bound by as much as it must, and the bound that is then left.
         let walk =
@@ -413,7 +460,9 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
     }
 }
 
-impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> Tier for MapNode<W, M, P, ACTIONS> {
+impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element> Tier
+    for MapNode<W, M, P, ACTIONS, E>
+{
     const BURSTS: bool = true;
 
     fn start(&self, second: u32) -> MapState<P, ACTIONS> {
@@ -442,7 +491,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> Tier for Ma
     }
 
     fn second(state: &MapState<P, ACTIONS>) -> u32 {
-        VoltageNode::second(&state.voltage)
+        VoltageNode::<ACTIONS, E>::second(&state.voltage)
     }
 
     #[inline(never)]
@@ -517,8 +566,8 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> Tier for Ma
     }
 }
 
-impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> Configuration
-    for MapNode<W, M, P, ACTIONS>
+impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element> Configuration
+    for MapNode<W, M, P, ACTIONS, E>
 {
     type State = MapState<P, ACTIONS>;
 

@@ -14,11 +14,13 @@
 //! times: they count by the whole energy that they are of, and no bound falls with time as if they averaged out.
 
 mod beside;
+mod element;
 mod parameters;
 #[cfg(test)]
 pub(super) mod tests;
 
 pub(super) use beside::{Beside, Told};
+pub use element::{BatteryElement, CapacitorElement, Element};
 pub use parameters::{Tolerances, VoltageParameters};
 
 use super::Regular;
@@ -36,14 +38,14 @@ const GATE: f32 = 6.0;
 /// Relative error of the sums of ten years by rounding.
 const ROUNDING: f32 = 1e-5;
 
-/// A node that knows its income by the voltage of its storage. Energies are in J at the storage.
+/// A node that knows its income by the voltage of its storage, a capacitor or a battery. Energies are in J at the storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct VoltageNode<const ACTIONS: usize> {
+pub struct VoltageNode<const ACTIONS: usize, E: Element = CapacitorElement> {
     parameters: VoltageParameters<ACTIONS>,
-    /// Energy over the square of the code.
-    per_code: f32,
+    element: E,
     full_code: u32,
-    /// Variances in J of a reading over the energy: of one, and of what lasts from one to the next.
+    /// Variances of a reading over the square of the slope, of a capacitor in J over the energy: of one, and of what lasts from one to
+    /// the next.
     noise: f32,
     lasting: f32,
     /// Energy from which on the storage may be full, and at the lock-out.
@@ -190,7 +192,7 @@ impl<const ACTIONS: usize> VoltageState<ACTIONS> {
     }
 }
 
-impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
+impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     /// The parameters.
     #[must_use]
     pub const fn parameters(&self) -> &VoltageParameters<ACTIONS> {
@@ -300,8 +302,9 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
     #[inline(never)]
     fn observe(&self, state: &mut VoltageState<ACTIONS>, code: u32, beside: Option<Beside>) {
         let code = code.min(self.full_code);
-        let read = self.per_code * real(code * code);
-        let noise = self.noise * read;
+        let read = self.element.energy(code);
+        let slope = self.element.square_of_slope(read);
+        let noise = self.noise * slope;
         if !state.is_located && code > 0 {
             // What changed while it was unknown is no income.
             let jump = read - state.read + state.out;
@@ -341,7 +344,7 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
         }
         if state.since == 0 {
             let part = state.variance / of_both;
-            state.variance = Scalar::max(part * noise, self.lasting * read);
+            state.variance = Scalar::max(part * noise, self.lasting * slope);
             state.begin_interval(energy + part * (read - energy));
             return;
         }
@@ -403,7 +406,7 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
         }
         if is_read && state.is_located && state.since == 0 && state.hour.seconds >= HOUR {
             let uncertain = self.uncertainty(&state.hour, state);
-            let lasting = 2.0 * self.lasting * state.read;
+            let lasting = 2.0 * self.lasting * self.element.square_of_slope(state.read);
             let is_noisy = state.variance > Scalar::max(NOISE_PART * uncertain, lasting);
             if is_noisy && state.repeated < MOST_READINGS - 1 {
                 state.repeated += 1;
@@ -523,7 +526,7 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
     }
 }
 
-impl<const ACTIONS: usize> Tier for VoltageNode<ACTIONS> {
+impl<const ACTIONS: usize, E: Element> Tier for VoltageNode<ACTIONS, E> {
     fn start(&self, second: u32) -> VoltageState<ACTIONS> {
         VoltageState {
             second,
@@ -567,14 +570,15 @@ impl<const ACTIONS: usize> Tier for VoltageNode<ACTIONS> {
     }
 }
 
-impl<const ACTIONS: usize> Configuration for VoltageNode<ACTIONS> {
+impl<const ACTIONS: usize, E: Element> Configuration for VoltageNode<ACTIONS, E> {
     type State = VoltageState<ACTIONS>;
 
     /// Of the storage and its converter alone: what was learnt survives other intervals, energies and tolerances.
     fn identify(&self, fingerprint: &mut Fingerprint) {
         fingerprint.name("voltage");
-        let Self { per_code, full_code, leakage_rate, lock_out, .. } = *self;
-        fingerprint.numbers(&[per_code, leakage_rate, lock_out]);
+        let Self { full_code, leakage_rate, lock_out, .. } = *self;
+        self.element.identify(fingerprint);
+        fingerprint.numbers(&[leakage_rate, lock_out]);
         fingerprint.numbers(&[full_code, ACTIONS as u32]);
     }
 }

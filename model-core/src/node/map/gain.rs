@@ -4,11 +4,11 @@ use super::finding::Yield;
 use super::{MapNode, MapState};
 use crate::energy::response_map::Words;
 use crate::node::tier::StoreReading;
-use crate::node::voltage::Told;
+use crate::node::voltage::{Element, Told};
 use crate::scalar::Scalar;
 
 /// Least gain.
-const LOWEST_GAIN: f32 = 1e-3;
+pub(super) const LOWEST_GAIN: f32 = 1e-3;
 /// Variance of a comparison over that of the gain from which it says too little.
 const LITTLE: f32 = 100.0;
 /// Standard deviations of a comparison of map and storage from which it contradicts the gain, and such comparisons in turn after
@@ -16,7 +16,9 @@ const LITTLE: f32 = 100.0;
 const CONTRADICTS: f32 = 3.0;
 const CONTRADICTIONS: u32 = 3;
 
-impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, M, P, ACTIONS> {
+impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
+    MapNode<W, M, P, ACTIONS, E>
+{
     /// Learns the gain from a modelled power in W, of relative variances by noise and by the map, and what the storage told of the same
     /// vibration.
     ///

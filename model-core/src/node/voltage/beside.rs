@@ -1,8 +1,8 @@
 //! What a node that knows more than the voltage asks of it and hands it: none of it is in the binary of a [`VoltageNode`] alone.
 
-use super::{VoltageNode, VoltageState};
-use crate::node::real;
+use super::{Element, VoltageNode, VoltageState};
 use crate::node::tier::{BOUND, IncomeOfTime, StoreReading};
+use crate::node::{HOUR, real};
 use crate::scalar::Scalar;
 use crate::snapshot::snapshot_fields;
 
@@ -25,7 +25,7 @@ pub(in crate::node) struct Told {
 
 snapshot_fields!(impl [] Told { power, variance, lasting });
 
-impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
+impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     /// A harvested energy in J of a stored one.
     pub(in crate::node) fn harvested(&self, stored: f32) -> f32 {
         self.per_stored * stored
@@ -39,8 +39,8 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
     /// Voltage of the storage in V.
     pub(in crate::node) fn voltage(&self, state: &VoltageState<ACTIONS>) -> f32 {
         let storage = &self.parameters.storage;
-        let square = 2.0 * Scalar::max(state.energy(), 0.0) / storage.capacitor.capacitance;
-        Scalar::min(Scalar::sqrt(square), storage.highest_voltage)
+        let voltage = self.element.voltage(state.energy(), storage.capacitor.capacitance);
+        Scalar::min(voltage, storage.highest_voltage)
     }
 
     /// What the last two readings tell.
@@ -74,8 +74,19 @@ impl<const ACTIONS: usize> VoltageNode<ACTIONS> {
     pub(in crate::node) fn bound_of_an_hour(&self, state: &VoltageState<ACTIONS>) -> f32 {
         match state.last_hour {
             Some(IncomeOfTime { bound, silent: 0, .. }) => bound,
-            _ => self.per_stored * BOUND * Scalar::sqrt(2.0 * self.noise * state.read),
+            _ => self.bound_of_two_readings(state),
         }
+    }
+
+    /// Bound in J of the error of an income by two readings.
+    fn bound_of_two_readings(&self, state: &VoltageState<ACTIONS>) -> f32 {
+        let of_a_reading = self.noise * self.element.square_of_slope(state.read);
+        self.per_stored * BOUND * Scalar::sqrt(2.0 * of_a_reading)
+    }
+
+    /// Whether an hour of readings says less than what is known before them: an income up to half of the largest one.
+    pub(in crate::node) fn is_mute(&self, state: &VoltageState<ACTIONS>) -> bool {
+        E::IS_FLAT && self.bound_of_two_readings(state) > 0.5 * self.parameters.largest_power * real(HOUR)
     }
 
     /// Whether an energy in J at the load leaves the lock-out.

@@ -1,8 +1,9 @@
 //! Parameters of the node by the voltage alone.
 
-use super::VoltageNode;
-use crate::bounds::{ParameterError, first_outside};
-use crate::energy::StorageParameters;
+use super::{BatteryElement, CapacitorElement, Element, VoltageNode};
+use crate::bounds::{Bounds, ParameterError, first_outside};
+use crate::energy::battery::{PIECES, energy_at};
+use crate::energy::{Battery, StorageParameters};
 use crate::node::{Converter, Regular};
 
 /// Parameters of a [`VoltageNode`]. [`VoltageParameters::build`] is `const`: the node is a constant in flash.
@@ -60,6 +61,17 @@ impl Tolerances {
     };
 }
 
+/// What a node has of its element: the variance of an energy over that of the voltage and the square of the slope, the variance of
+/// the drop over a resistance in V², energies in J, the leaking part in 1/s, and the relative deviation of all energies.
+struct Numbers {
+    of_variance: f32,
+    of_drop: f32,
+    full: f32,
+    lock_out: f32,
+    leakage_rate: f32,
+    capacitance: f32,
+}
+
 impl<const ACTIONS: usize> VoltageParameters<ACTIONS> {
     /// Checks the parameters.
     ///
@@ -69,31 +81,107 @@ impl<const ACTIONS: usize> VoltageParameters<ACTIONS> {
         if let Some(error) = self.first_outside() {
             return Err(error);
         }
+        let StorageParameters { capacitor, lock_out_voltage, .. } = self.storage;
+        let (half, lowest_full, cell) = (0.5 * capacitor.capacitance, self.lowest_full(), self.cell());
+        let numbers = Numbers {
+            of_variance: 4.0 * half,
+            of_drop: 0.0,
+            full: half * lowest_full * lowest_full,
+            lock_out: half * lock_out_voltage * lock_out_voltage,
+            leakage_rate: 1.0 / (half * capacitor.leakage_resistance),
+            capacitance: self.tolerances.capacitance,
+        };
+        Ok(self.node(CapacitorElement { per_code: half * cell * cell }, numbers))
+    }
+
+    /// As [`Self::build`], with a battery beside the capacitor.
+    ///
+    /// The drop over the internal resistance counts as by the standing power and half of the largest one, with the variance of a power
+    /// between 0 and the largest; the capacitor delivers what actions take at once. The leakage of the capacitor counts as at the
+    /// highest voltage. [`VoltageNode::parameters`] then has the charging efficiency of both.
+    ///
+    /// # Errors
+    /// The first parameter outside its bounds; lock-out and highest voltage must be within those of the battery.
+    pub const fn build_with_battery(
+        mut self,
+        battery: Battery,
+    ) -> Result<VoltageNode<ACTIONS, BatteryElement>, ParameterError<f32>> {
+        if let Some(error) = self.first_outside() {
+            return Err(error);
+        }
+        let StorageParameters { capacitor, highest_voltage, lock_out_voltage, .. } = self.storage;
+        let volts = match battery.pieces(capacitor.capacitance) {
+            Ok(pieces) => pieces,
+            Err(error) => return Err(error),
+        };
+        let Bounds { lowest, highest } = battery.voltages();
+        if let Some(error) = first_outside(&[
+            ("lock_out_voltage", lock_out_voltage, lowest, highest),
+            ("highest_voltage", highest_voltage, lowest, highest),
+        ]) {
+            return Err(error);
+        }
+        self.storage.charging_efficiency *= battery.charging_efficiency;
+        let (cell, ohm_per_volt) =
+            (self.cell(), battery.resistance / (0.5 * (lock_out_voltage + highest_voltage)));
+        let square = (cell as f64) * (cell as f64);
+        let mut pieces = [[f32::INFINITY, f32::INFINITY, 0.0]; PIECES];
+        let mut index = 0;
+        while index < PIECES {
+            let [energy, begin, half] = volts[index];
+            pieces[index] = [energy as f32, (begin / square) as f32, (half * square) as f32];
+            index += 1;
+        }
+        let largest = self.largest_power * self.storage.charging_efficiency;
+        let drop = self.standing_power / self.storage.discharging_efficiency - 0.5 * largest;
+        let varies = ohm_per_volt * largest;
+        let full_energy = energy_at(&volts, highest_voltage);
+        let leaking = highest_voltage * highest_voltage / (capacitor.leakage_resistance * full_energy);
+        let numbers = Numbers {
+            of_variance: 4.0 / (cell * cell),
+            of_drop: varies * varies / 12.0,
+            full: energy_at(&volts, self.lowest_full()),
+            lock_out: energy_at(&volts, lock_out_voltage),
+            leakage_rate: battery.self_discharge + leaking,
+            capacitance: battery.tolerance,
+        };
+        Ok(self.node(BatteryElement { pieces, drop: ohm_per_volt * drop / cell, cell }, numbers))
+    }
+
+    /// Voltage of a code in V.
+    const fn cell(&self) -> f32 {
+        self.converter.full_scale / (1_u32 << self.converter.bits) as f32
+    }
+
+    /// Voltage in V from which on the storage may be full.
+    const fn lowest_full(&self) -> f32 {
+        let (cell, Tolerances { highest_voltage, .. }) = (self.cell(), self.tolerances);
+        let below = self.storage.highest_voltage * (1.0 - highest_voltage)
+            - (0.5 + 2.0 * self.converter.noise / cell) * cell;
+        if below > 0.0 { below } else { 0.0 }
+    }
+
+    const fn node<E: Element>(self, element: E, numbers: Numbers) -> VoltageNode<ACTIONS, E> {
         let Self { storage, converter, tolerances, .. } = self;
-        let half = 0.5 * storage.capacitor.capacitance;
-        let codes = 1_u32 << converter.bits;
-        let cell = converter.full_scale / codes as f32;
+        let Numbers { of_variance, of_drop, full, lock_out, leakage_rate, capacitance } = numbers;
+        let cell = self.cell();
         let (noise, width) = (converter.noise * converter.noise, cell * cell / 12.0);
         // The error of rounding lasts from reading to reading as far as noise does not smooth it: by the first harmonic of a
         // normal noise, exp(−4π² noise²), of which this is an upper bound.
         let smooth = 39.48 * noise / (cell * cell);
         let lasting = width / (1.0 + smooth * (1.0 + smooth * (0.5 + smooth * (1.0 / 6.0))));
-        let below = storage.highest_voltage * (1.0 - tolerances.highest_voltage)
-            - (0.5 + 2.0 * converter.noise / cell) * cell;
-        let lowest_full = if below > 0.0 { below } else { 0.0 };
-        let scale = tolerances.capacitance * tolerances.capacitance
-            + 4.0 * tolerances.reference * tolerances.reference;
+        let scale = capacitance * capacitance + 4.0 * tolerances.reference * tolerances.reference;
         let reference = 2.0 * tolerances.reference;
         // A drop of the energy by an action is another one than expected, for half of the time to the next reading.
-        let of_drops = tolerances.capacitance / 16.0;
-        Ok(VoltageNode {
-            per_code: half * cell * cell,
-            full_code: codes - 1,
-            noise: 4.0 * half * (noise + width),
-            lasting: 4.0 * half * lasting,
-            full: half * lowest_full * lowest_full,
-            lock_out: half * storage.lock_out_voltage * storage.lock_out_voltage,
-            leakage_rate: 1.0 / (half * storage.capacitor.leakage_resistance),
+        let of_drops = capacitance / 16.0;
+        VoltageNode {
+            element,
+            full_code: (1_u32 << converter.bits) - 1,
+            noise: of_variance * (noise + width + of_drop),
+            lasting: of_variance * (lasting + of_drop),
+            full,
+            lock_out,
+            leakage_rate,
             drawn_per_used: 1.0 / storage.discharging_efficiency,
             per_stored: 1.0 / storage.charging_efficiency,
             standing: self.standing_power / storage.discharging_efficiency,
@@ -101,7 +189,7 @@ impl<const ACTIONS: usize> VoltageParameters<ACTIONS> {
             scale,
             leakage: tolerances.leakage * tolerances.leakage + reference * reference + of_drops * of_drops,
             parameters: self,
-        })
+        }
     }
 
     const fn first_outside(&self) -> Option<ParameterError<f32>> {

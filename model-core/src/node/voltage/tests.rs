@@ -296,7 +296,7 @@ fn a_glitch_is_refused_and_a_lasting_change_is_taken_after_a_second_reading() {
             assert_eq!(wake, Wake { task: Task::Sleep, again_in: 1, read: true });
             let mut changed = glitched;
             IDLE.wake(&mut changed, tank.second + 2, Some(code));
-            assert!((changed.energy() - IDLE.per_code * (code * code) as f32).abs() < 4e-3, "{code}");
+            assert!((changed.energy() - IDLE.element.per_code * (code * code) as f32).abs() < 4e-3, "{code}");
         }
         let right = tank.code();
         IDLE.wake(&mut glitched, tank.second + 2, Some(right));
