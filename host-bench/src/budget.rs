@@ -198,7 +198,7 @@ impl<'a> Record<'a> {
             lowest_j: self.lowest_j,
             capacity_j,
             turn_off_j: energy_at(storage, storage.turn_off_v),
-            lowest_v: (2.0 * self.lowest_j / storage.capacitance_f).sqrt(),
+            lowest_v: storage.reservoir().voltage_v(self.lowest_j),
             budget_error: self.budget_error_j / capacity_j,
             budget_ledger,
             samples: self.samples,

@@ -24,8 +24,8 @@ mod strategy;
 mod timeline;
 mod years;
 
-pub use self::compared::{Came, Errors, Extent, Name, Row, Setup, Storage, rows};
-pub(crate) use self::compared::{ROWS, STORAGES, timelines};
+pub use self::compared::{Came, Errors, Extent, Name, Row, STORAGES, Setup, Storage, rows};
+pub(crate) use self::compared::{ROWS, timelines};
 pub use self::harvester::{Kind, Off, Shaking, tone};
 pub use self::oracle::Oracle;
 pub use self::plant::{Hour, Parts, Run, World};

@@ -1,5 +1,6 @@
 //! Parts between a harvester and its node, and of the node, as data: `market/parts.toml`. A firmware gets numbers.
 
+mod battery;
 pub mod cost;
 
 use std::sync::LazyLock;
@@ -7,6 +8,7 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Deserializer};
 
 use crate::scene_file::Lockout;
+pub use battery::Reservoir;
 pub use cost::{Code, Core, Cost, CostModel, Instructions, node_instructions};
 
 /// How far a figure is known.
@@ -144,6 +146,32 @@ parts! {
         /// Most bytes of a payload.
         most_bytes: u32,
     }
+    /// A battery, with a capacitor beside it.
+    Battery = battery {
+        /// Name of the part.
+        #[serde(deserialize_with = "text")]
+        name: Text,
+        /// State of charge and open-circuit voltage in V, both rising.
+        #[serde(deserialize_with = "curve")]
+        open_circuit: &'static [[f32; 2]],
+        /// Open-circuit voltage in V of a half charge, with the source of all points.
+        half_v: Figure,
+        /// Charge from the first to the last point in C.
+        charge_c: Figure,
+        /// Internal resistance in Ω.
+        resistance_ohm: Figure,
+        /// Part of the charge into the battery that comes out again.
+        charging_efficiency: Figure,
+        /// Part of the stored energy that is lost in a second, in 1/s.
+        self_discharge_per_s: Figure,
+        /// Relative standard deviation of the charge.
+        tolerance: Figure,
+        /// The lock-out of a node on it.
+        #[serde(rename = "lockout_v", deserialize_with = "lockout")]
+        lockout: Option<Lockout>,
+        /// Voltage in V at which further income is shunted.
+        highest_v: f64,
+    }
     /// A part between a harvester and a node, or a diode bridge alone.
     ///
     /// The storage behind a bridge has leakage as a resistance. A quiescent current `I_q` becomes `V_on/I_q`, which is exact
@@ -210,6 +238,10 @@ fn text<'de, D: Deserializer<'de>>(source: D) -> Result<Text, D::Error> {
 fn lockout<'de, D: Deserializer<'de>>(source: D) -> Result<Option<Lockout>, D::Error> {
     let [turn_on_v, turn_off_v] = Deserialize::deserialize(source)?;
     Ok(Some(Lockout { turn_on_v, turn_off_v }))
+}
+
+fn curve<'de, D: Deserializer<'de>>(source: D) -> Result<&'static [[f32; 2]], D::Error> {
+    Ok(Vec::deserialize(source)?.leak())
 }
 
 fn one() -> f64 {

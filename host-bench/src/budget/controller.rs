@@ -4,8 +4,10 @@
 //! the standing power, is granted to them in this order, to each at most for its wished rate. Granted rates add up to
 //! credits. An action with a credit of one is run if the budget allows it now.
 
+use model_core::bounds::ParameterError;
 use model_core::energy::{
-    Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,
+    Action, BatteryCurve, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters,
+    StorageParameters,
 };
 use model_core::scalar::Scalar;
 
@@ -30,9 +32,10 @@ struct Due<S> {
 }
 
 #[derive(Debug)]
-pub(super) struct Controller<'a, S, const SLOTS: usize> {
+pub(super) struct Controller<'a, S: 'static, const SLOTS: usize> {
     node: &'a Node,
     parameters: BudgetParameters<S>,
+    battery: Option<&'static BatteryCurve<S>>,
     budget: Budget<S, SLOTS>,
     state: BudgetState<S, SLOTS>,
     due: Vec<Due<S>>,
@@ -40,11 +43,22 @@ pub(super) struct Controller<'a, S, const SLOTS: usize> {
     was_off: bool,
 }
 
+/// The budget of a storage, with its battery.
+fn built<S: Scalar, const SLOTS: usize>(
+    parameters: BudgetParameters<S>,
+    battery: Option<&'static BatteryCurve<S>>,
+) -> Result<Budget<S, SLOTS>, ParameterError<S>> {
+    match battery {
+        Some(battery) => parameters.build_with_battery(battery),
+        None => parameters.build(),
+    }
+}
+
 impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
     /// The controller at midnight, with the measured voltage of the storage in V.
     pub(super) fn new(node: &'a Node, voltage: f64) -> Result<Self, Failure> {
         let from = &node.storage;
-        let refuse = |error: model_core::bounds::ParameterError<S>| Failure::Input(format!("node: {error}"));
+        let refuse = |error: ParameterError<S>| Failure::Input(format!("node: {error}"));
         let parameters = BudgetParameters {
             storage: StorageParameters {
                 capacitor: Capacitor {
@@ -75,10 +89,15 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
             })
         });
         let due = due.collect::<Result<_, Failure>>()?;
-        let budget = parameters.build().map_err(refuse)?;
+        let battery =
+            from.battery.map(|battery| battery.of_core().curve(from.capacitance_f as f32)).transpose();
+        let battery = battery.map_err(|error| Failure::Input(format!("node: {error}")))?;
+        // A day of a node makes one, which the budget of a firmware has in its flash.
+        let battery: Option<&'static BatteryCurve<S>> = battery.map(|curve| &*Box::leak(Box::new(curve)));
+        let budget = built(parameters, battery).map_err(refuse)?;
         let mut state = budget.start(0);
         budget.correct_by_voltage(&mut state, S::from_f64(voltage), S::ZERO);
-        Ok(Self { node, parameters, budget, state, due, was_off: false })
+        Ok(Self { node, parameters, battery, budget, state, due, was_off: false })
     }
 
     /// The rates in 1/s at which the actions can run for ever by the income learnt so far, at most the wished rates.
@@ -89,8 +108,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
     fn rates_with(&self, mut parameters: BudgetParameters<S>, state: &BudgetState<S, SLOTS>) -> Vec<f64> {
         let rates = self.due.iter().map(|due| {
             // The actions may raise the standing power above its bound: then no rate is left.
-            let rate = parameters
-                .build::<SLOTS>()
+            let rate = built::<S, SLOTS>(parameters, self.battery)
                 .map_or(S::ZERO, |budget| budget.sustainable_rate(state, &due.action).min(due.wished));
             parameters.standing_power += rate * due.action.energy();
             rate.to_f64()
@@ -99,8 +117,12 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
     }
 
     /// The smallest capacitance in F with which a full storage sustains all wished rates, at least a thousandth of that of the
-    /// node; `None` if a thousand times it, or the largest one that a scene may have, does not. The leakage resistance stays.
+    /// node; `None` if a thousand times it, or the largest one that a scene may have, does not, and with a battery. The leakage
+    /// resistance stays.
     pub(super) fn smallest_capacitance(&self) -> Option<f64> {
+        if self.battery.is_some() {
+            return None;
+        }
         let suffices = |factor: f64| {
             let mut parameters = self.parameters;
             let storage = &mut parameters.storage;

@@ -32,7 +32,7 @@ pub(super) trait Plant {
 
 /// Energy in J of a storage at a voltage in V.
 pub(super) fn energy_at(storage: &Storage, voltage: f64) -> f64 {
-    0.5 * storage.capacitance_f * voltage * voltage
+    storage.reservoir().energy_j(voltage)
 }
 
 /// Power in W at the storage of a standing load at the node, with the storage's own.
@@ -147,7 +147,8 @@ impl Plant for LoopedStorage<'_> {
 // E' = P − 2 E / (R C)
 // ```
 //
-// is solved exactly. Thresholds are checked every second.
+// is solved exactly. Thresholds are checked every second. With a battery the factor of `E` is that of its self-discharge, and of
+// the leakage resistance at the voltage at the begin of an interval.
 
 /// A storage charged by a given income, and whether the node at it is switched on.
 #[derive(Debug, Clone, PartialEq)]
@@ -170,7 +171,7 @@ impl<'a> ChargedStorage<'a> {
             storage: *storage,
             income,
             standing_w: standing_power(storage, standing_power_w),
-            energy: 0.5 * storage.capacitance_f * storage.initial_v.powi(2),
+            energy: energy_at(storage, storage.initial_v),
             supplied: storage.initial_v >= storage.turn_on_v,
             was_supplied: false,
             account: StorageAccount::default(),
@@ -189,7 +190,7 @@ impl<'a> ChargedStorage<'a> {
 
 impl Plant for ChargedStorage<'_> {
     fn voltage(&self) -> f64 {
-        (2.0 * self.energy / self.storage.capacitance_f).sqrt()
+        self.storage.reservoir().voltage_v(self.energy)
     }
 
     fn energy(&self) -> f64 {
@@ -214,12 +215,14 @@ impl Plant for ChargedStorage<'_> {
     fn advance(&mut self, from: u32, seconds: u32) -> Result<f64, Failure> {
         let before = self.account.harvested;
         self.was_supplied = self.supplied;
-        let rate = 2.0 / (self.storage.leakage_ohm * self.storage.capacitance_f);
+        let reservoir = self.storage.reservoir();
+        let rate = reservoir.leaking(self.energy);
+        let efficiency = self.storage.charging_efficiency * reservoir.charging_efficiency();
         let mean_kept = if rate > 0.0 { -(-rate).exp_m1() / rate } else { 1.0 };
         for second in from..from + seconds {
             let harvested = self.income.power_w(second, self.voltage());
             let standing = if self.supplied { self.standing_w } else { 0.0 };
-            let stored = harvested * self.storage.charging_efficiency;
+            let stored = harvested * efficiency;
             let end = self.energy * (-rate).exp() + (stored - standing) * mean_kept;
             let account = &mut self.account;
             account.harvested += harvested;
@@ -243,6 +246,8 @@ impl Plant for ChargedStorage<'_> {
 
 #[cfg(test)]
 mod tests {
+    use harvester_scene::market::Battery;
+
     use super::*;
     use crate::embedded::Stretch;
 
@@ -278,6 +283,7 @@ mod tests {
     #[test]
     fn actions_standing_load_and_excess_are_drawn_in_the_next_interval() {
         let storage = Storage {
+            battery: None,
             capacitance_f: 1e-3,
             leakage_ohm: f64::INFINITY,
             initial_v: 3.0,
@@ -310,6 +316,7 @@ mod tests {
     }
 
     const STORAGE: Storage = Storage {
+        battery: None,
         capacitance_f: 1e-3,
         leakage_ohm: 1e6,
         initial_v: 3.0,
@@ -338,6 +345,47 @@ mod tests {
         let balance = account.income - account.leaked - account.shunted - account.actions - account.standing;
         assert!((storage.energy() - start - balance).abs() < 1e-15);
         assert!((account.harvested - 5e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_battery_follows_its_charge_and_its_account_closes() {
+        let battery = Battery::named("slb12400l151").expect("a part");
+        let storage = Storage {
+            battery: Some(battery),
+            capacitance_f: 100e-6,
+            leakage_ohm: f64::INFINITY,
+            initial_v: 2.3,
+            highest_v: 2.7,
+            ..STORAGE
+        };
+        let income = Income::constant(5e-3);
+        let mut plant = ChargedStorage::new(&storage, 2e-6, &income);
+        let start = plant.energy();
+        // The charge, step by step: from 0.3 + 0.2 · 0.04/0.08 of 540 C, by the current of the stored power at the voltage.
+        let mut state_of_charge = 0.4;
+        let volts = |state: f64| {
+            let after =
+                battery.open_circuit.iter().position(|point| f64::from(point[0]) > state).expect("not full");
+            let [from, to] = [after - 1, after].map(|at| battery.open_circuit[at].map(f64::from));
+            from[1] + (to[1] - from[1]) * (state - from[0]) / (to[0] - from[0])
+        };
+        for hour in 0..10 {
+            plant.advance(3600 * hour, 3600).expect("nothing can fail");
+            for _ in 0..3600 {
+                let power = 5e-3 * 0.8 * 0.99 - 5e-6 - 1.3e-8 * plant.energy();
+                state_of_charge += power / volts(state_of_charge) / 540.0;
+            }
+        }
+        assert!(
+            (plant.voltage() - volts(state_of_charge)).abs() < 1e-4,
+            "{} {state_of_charge}",
+            plant.voltage()
+        );
+        assert!(state_of_charge > 0.5, "{state_of_charge}");
+        let account = *plant.account();
+        let balance = account.income - account.leaked - account.shunted - account.actions - account.standing;
+        assert!((plant.energy() - start - balance).abs() < 1e-9);
+        assert!((account.income - 0.8 * 0.99 * 180.0).abs() < 1e-7 && account.leaked > 0.0, "{account:?}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum as _;
+use clap::builder::PossibleValuesParser;
 use comfy_table::presets;
 use serde::Serialize;
 
@@ -11,7 +12,16 @@ use super::{count, one_more, print, progress};
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::rows::Rows;
-use crate::simulated_node::{Course, Extent, Kind, Quarter, ROWS, STORAGES, picture, rows, timelines, years};
+use crate::simulated_node::{
+    Course, Extent, Kind, Quarter, ROWS, STORAGES, Storage, picture, rows, timelines, years,
+};
+
+/// The names of the storages, each once.
+fn names() -> Vec<&'static str> {
+    let mut names: Vec<&str> = STORAGES.iter().map(|storage| storage.name).collect();
+    names.dedup();
+    names
+}
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(
@@ -24,6 +34,12 @@ pub struct NodeStrategiesArguments {
     /// What shakes the harvester; may be repeated [default: all but month]
     #[arg(long, value_enum)]
     course: Vec<Course>,
+    /// Which storage only, by its name in the rows; batteries by their words in a scene file
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(names()))]
+    storage: Option<String>,
+    /// Harvesters as designed only
+    #[arg(long)]
+    as_designed: bool,
     /// Hours of each timeline, as many of a harvester as designed and of one that is off
     #[arg(long, value_name = "COUNT", default_value_t = 4, value_parser = count::<usize>(1..=240))]
     hours: usize,
@@ -51,9 +67,12 @@ pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
         [] => vec![Course::Random, Course::Truck, Course::Speed, Course::Walking],
         some => some.to_vec(),
     };
+    let is_wanted = |one: &Storage| arguments.storage.as_deref().is_none_or(|name| name == one.name);
     let extent = Extent {
         kinds: arguments.scene.map_or_else(|| Kind::value_variants().to_vec(), |kind| vec![kind]),
         courses,
+        storages: STORAGES.into_iter().filter(is_wanted).collect(),
+        as_designed: arguments.as_designed,
         hours: arguments.hours,
         seeds: arguments.seeds,
         with_full: arguments.with_full,
@@ -63,7 +82,7 @@ pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
         let text = "--course: must not be truck or walking alone for sliding, whose slider they do not move";
         return Err(Failure::Input(text.to_owned()));
     }
-    let bar = progress(ROWS);
+    let bar = progress(ROWS * extent.storages.len());
     let rows = rows(&extent, &lines, || one_more(&bar));
     bar.finish_and_clear();
     print_rows(&rows, arguments.format, 3)?;
@@ -80,7 +99,10 @@ fn print_rows<T: Serialize>(rows: &[T], format: Format, words: usize) -> Result<
 }
 
 #[derive(Debug, Clone, clap::Args)]
-#[command(after_help = "Run time: minutes of CPU for ten years, on all cores")]
+#[command(
+    after_help = "Exit code 3 if a node does not tell a number, does not read its storage for hours, or refuses its image\n\
+    Run time: minutes of CPU for ten years, on all cores"
+)]
 pub struct NodeYearsArguments {
     /// Years
     #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = count::<u32>(1..=50))]
@@ -92,13 +114,12 @@ pub struct NodeYearsArguments {
 
 /// Runs all nodes and prints their quarters.
 pub fn run_years(arguments: &NodeYearsArguments) -> Result<(), Failure> {
-    let quarters = years(365 * arguments.years, &STORAGES)?;
-    if arguments.format != Format::Table {
-        return print_rows(&quarters, arguments.format, 2);
-    }
+    let quarters = years(365 * arguments.years, &STORAGES[..6])?;
     let of_a_node = |one: &Quarter, other: &Quarter| other.quarter > one.quarter;
     let worst =
         |node: &[Quarter]| node.iter().min_by(|one, other| one.inside.total_cmp(&other.inside)).copied();
     let worst: Vec<Quarter> = quarters.chunk_by(of_a_node).filter_map(worst).collect();
-    print_rows(&worst, arguments.format, 2)
+    let shown = if arguments.format == Format::Table { &worst } else { &quarters };
+    print_rows(shown, arguments.format, 2)?;
+    quarters.iter().try_for_each(Quarter::check)
 }

@@ -1,7 +1,9 @@
 //! Baselines of a node: what a firmware engineer writes without a library. Their parameters are those of a node by the voltage.
 
+use harvester_scene::market::Reservoir;
 use model_core::node::{IncomeOfTime, Task, VoltageParameters, Wake};
 
+use super::settings::Settings;
 use super::strategy::Strategy;
 
 /// Seconds from one reading to the next of the difference of two readings.
@@ -29,6 +31,7 @@ pub(super) enum Rule {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Baseline {
     parameters: VoltageParameters<1>,
+    reservoir: Reservoir,
     rule: Rule,
     second: u32,
     /// Second of the last reading, of the last action, and of the begin of the hour.
@@ -54,10 +57,11 @@ impl Rule {
 }
 
 impl Baseline {
-    pub(super) fn new(parameters: VoltageParameters<1>, rule: Rule) -> Self {
+    pub(super) fn new(settings: &Settings, rule: Rule) -> Self {
         let period = if let Rule::Fixed(period) = rule { period } else { u32::MAX };
         Self {
-            parameters,
+            parameters: settings.parameters(),
+            reservoir: settings.reservoir(1.0),
             rule,
             second: 0,
             read: 0,
@@ -75,7 +79,7 @@ impl Baseline {
 
     /// The energy in J of a voltage in V.
     fn at(&self, voltage: f64) -> f64 {
-        0.5 * f64::from(self.parameters.storage.capacitor.capacitance) * voltage * voltage
+        self.reservoir.energy_j(voltage)
     }
 
     /// What the actions leave.
@@ -85,21 +89,23 @@ impl Baseline {
 
     /// The income since the begin, with what was drawn and its variance.
     fn income(&self, begin: u32) -> [f64; 2] {
-        let VoltageParameters { storage, converter, standing_power, tolerances, .. } = &self.parameters;
+        let VoltageParameters { converter, standing_power, tolerances, .. } = &self.parameters;
         let drawn = f64::from(*standing_power) * f64::from(self.second - begin);
-        let leaking = 2.0 / f64::from(storage.capacitor.leakage_resistance * storage.capacitor.capacitance);
+        let leaking = self.reservoir.leaking(self.energy);
         let leaked = 0.5 * leaking * (self.energy + self.first) * f64::from(self.second - begin);
         let income = self.energy - self.first + drawn + self.spent + leaked;
         // Two readings with noise and rounding, the standing power, the leakage, the capacitance.
         let cell = f64::from(converter.full_scale) / f64::from(1_u32 << converter.bits);
         let of_voltage = f64::from(converter.noise).powi(2) + cell * cell / 12.0;
-        let of_readings =
-            2.0 * f64::from(storage.capacitor.capacitance) * (self.energy + self.first) * of_voltage;
+        let slopes =
+            [self.energy, self.first].map(|energy| self.reservoir.slope(self.reservoir.voltage_v(energy)));
+        let of_readings = of_voltage * slopes.iter().map(|slope| slope * slope).sum::<f64>();
         let of_draw = f64::from(tolerances.standing) * drawn;
         let of_leakage = f64::from(tolerances.leakage) * leaked;
         let of_capacitance = f64::from(tolerances.capacitance) * (self.energy - self.first);
         let variance = of_readings + of_draw.powi(2) + of_capacitance.powi(2) + of_leakage.powi(2);
-        [income.max(0.0), variance]
+        let efficiency = self.reservoir.charging_efficiency();
+        [income.max(0.0) / efficiency, variance / (efficiency * efficiency)]
     }
 
     /// Tells the hour.

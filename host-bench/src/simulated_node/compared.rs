@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-use harvester_scene::market::Processor;
+use harvester_scene::market::{Battery, Processor, Reservoir};
 use rayon::prelude::*;
 
 use super::Source;
@@ -11,7 +11,7 @@ use super::baseline::{Baseline, Rule};
 use super::harvester::Kind;
 use super::oracle::{Oracle, Planned};
 use super::plant::{Hour, Parts, Run, World};
-use super::settings::Settings;
+use super::settings::{INCOME, Settings, begin_v};
 use super::timeline::{Course, Timeline};
 use crate::method::Failure;
 
@@ -32,33 +32,55 @@ impl Name {
         [Self::Voltage, Self::Map, Self::Difference, Self::Ewma, Self::Fixed, Self::Oracle];
 }
 
-/// A storage: its capacitance in F, its leakage resistance in Ω, and how far its capacitance may be off at most.
+/// A storage: its capacitance in F, its leakage resistance in Ω, how far its capacitance or its charge may be off at most, and the mean
+/// income in W of a node on it. One with the word of a battery has this battery beside the capacitor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Storage {
     pub name: &'static str,
     pub capacitance: f64,
     pub leakage: f64,
     pub of_capacitance: f64,
+    pub income: f64,
 }
 
-const fn capacitor(capacitance: f64) -> Storage {
-    Storage { name: "capacitor", capacitance, leakage: f64::INFINITY, of_capacitance: 0.0 }
+impl Storage {
+    /// An exact capacitor without leakage, and an income of 2.9 µW.
+    pub const fn capacitor(capacitance: f64) -> Self {
+        Self { name: "capacitor", capacitance, leakage: f64::INFINITY, of_capacitance: 0.0, income: INCOME }
+    }
+
+    const fn supercapacitor(capacitance: f64, leakage: f64, income: f64) -> Self {
+        Self { name: "supercapacitor", capacitance, leakage, of_capacitance: 0.2, income }
+    }
+
+    const fn battery(name: &'static str, of_capacitance: f64, income: f64) -> Self {
+        Self { name, of_capacitance, income, ..Self::capacitor(100e-6) }
+    }
+
+    /// As stated.
+    fn reservoir(&self) -> Reservoir {
+        let Self { name, capacitance, leakage, .. } = *self;
+        Reservoir { capacitance_f: capacitance, leakage_ohm: leakage, battery: Battery::named(name) }
+    }
 }
 
-/// Those of the rows. The supercapacitors leak 0.22 and 0.9 µW at 3 V.
-pub(crate) const STORAGES: [Storage; 6] = [
-    capacitor(0.47e-3),
-    capacitor(1e-3),
-    capacitor(10e-3),
-    capacitor(0.1),
-    Storage { name: "supercapacitor", capacitance: 0.2, leakage: 40e6, of_capacitance: 0.2 },
-    Storage { name: "supercapacitor", capacitance: 1.0, leakage: 10e6, of_capacitance: 0.2 },
+/// Those of the rows, each with an income above its leakage. The first six are those of years.
+pub const STORAGES: [Storage; 9] = [
+    Storage::capacitor(0.47e-3),
+    Storage::capacitor(1e-3),
+    Storage::capacitor(10e-3),
+    Storage::capacitor(0.1),
+    Storage::supercapacitor(0.2, 40e6, INCOME),
+    Storage::supercapacitor(1.0, 10e6, INCOME),
+    Storage::supercapacitor(10.0, 1e6, 10.0 * INCOME),
+    Storage::battery("slb12400l151", 0.1, 10.0 * INCOME),
+    Storage::battery("apr18650m1b", 0.05, 100.0 * INCOME),
 ];
 /// Relative deviations of the standing power: measured, and by data sheets.
 const SPREADS: [f64; 2] = [0.01, 0.2];
 const PARTS: [&str; 3] = ["nrf52832", "stm32l051", "apollo3"];
-/// Number of [`rows`].
-pub(crate) const ROWS: usize = PARTS.len() * STORAGES.len() * SPREADS.len() * Name::ALL.len();
+/// Number of [`rows`] of a storage.
+pub(crate) const ROWS: usize = PARTS.len() * SPREADS.len() * Name::ALL.len();
 /// How far a leakage may be off at most.
 const OF_LEAKAGE: f64 = 0.5;
 /// Standard deviation of the gain of the map of a harvester as designed.
@@ -72,6 +94,9 @@ const PERIODS: [u32; 18] =
 pub struct Extent {
     pub kinds: Vec<Kind>,
     pub courses: Vec<Course>,
+    pub storages: Vec<Storage>,
+    /// Whether only harvesters as designed count.
+    pub as_designed: bool,
     /// Of a timeline.
     pub hours: usize,
     /// Noises of the converter and true parts with which each timeline is run.
@@ -92,7 +117,9 @@ pub(crate) fn timelines(extent: &Extent) -> Result<Vec<Timeline>, Failure> {
             let holds = kind == Kind::Sliding && matches!(course, Course::Truck | Course::Walking);
             let seed = 17 * kind as u64 + 1000 * course as u64;
             all.extend(
-                [(kind, true, course, seed + 1), (kind, false, course, seed)].into_iter().filter(|_| !holds),
+                [(kind, true, course, seed + 1), (kind, false, course, seed)]
+                    .into_iter()
+                    .filter(|&(_, as_designed, ..)| !holds && (as_designed || !extent.as_designed)),
             );
         }
     }
@@ -159,12 +186,13 @@ pub struct Setup {
 impl Setup {
     /// A node on a timeline.
     pub(super) fn settings(&self, line: &Timeline) -> Settings {
-        let Storage { capacitance, leakage, of_capacitance, .. } = self.storage;
+        let Storage { name, capacitance, leakage, of_capacitance, income } = self.storage;
+        let base = Settings::new(line.kind, self.processor, capacitance, self.spread).with_income(income);
         Settings {
             leakage,
             of_capacitance: of_capacitance / 3.0_f64.sqrt(),
             gain: if line.as_designed { DESIGNED_GAIN } else { 1.0 },
-            ..Settings::new(line.kind, self.processor, capacitance, self.spread)
+            ..Battery::named(name).map_or(base, |battery| base.with_battery(battery))
         }
         .scaled(&line.minutes)
     }
@@ -180,10 +208,16 @@ impl Setup {
     /// A run of a strategy on a timeline; `period` in s is of `fixed`.
     pub fn run(&self, name: Name, line: &Timeline, seed: u64, period: u32) -> Run {
         let (world, settings) = (self.world(line, seed), self.settings(line));
-        let baseline = |rule| Baseline::new(settings.parameters(), rule);
+        let baseline = |rule| Baseline::new(&settings, rule);
         match name {
-            Name::Voltage => world.run(&mut settings.voltage(), |_| {}),
-            Name::Map => world.run(&mut settings.map(), |_| {}),
+            Name::Voltage => match settings.battery {
+                Some(battery) => world.run(&mut settings.voltage_on(battery), |_| {}),
+                None => world.run(&mut settings.voltage(), |_| {}),
+            },
+            Name::Map => match settings.battery {
+                Some(battery) => world.run(&mut settings.map_on(battery), |_| {}),
+                None => world.run(&mut settings.map(), |_| {}),
+            },
             Name::Difference => world.run(&mut baseline(Rule::Difference), |_| {}),
             Name::Ewma => world.run(&mut baseline(Rule::ewma()), |_| {}),
             Name::Fixed => world.run(&mut baseline(Rule::Fixed(period)), |_| {}),
@@ -247,7 +281,11 @@ pub struct Row {
     pub strategy: Name,
     pub part: &'static str,
     pub storage: &'static str,
+    /// Of a battery its charge over the voltage, at half charge.
     pub capacitance_f: f64,
+    /// Mean income and leakage at the begin.
+    pub income_w: f64,
+    pub leakage_w: f64,
     pub draw_spread: f64,
     pub share: f64,
     pub error_median: f64,
@@ -264,7 +302,7 @@ pub struct Row {
 pub fn rows(extent: &Extent, lines: &[Timeline], done: impl Fn()) -> Vec<Row> {
     let mut rows = Vec::new();
     for processor in PARTS.into_iter().filter_map(Processor::named) {
-        for storage in STORAGES {
+        for &storage in &extent.storages {
             for spread in SPREADS {
                 let setup = Setup { processor, storage, spread, seeds: extent.seeds };
                 rows.extend(Name::ALL.map(|name| {
@@ -280,11 +318,16 @@ pub fn rows(extent: &Extent, lines: &[Timeline], done: impl Fn()) -> Vec<Row> {
 impl Row {
     fn new(strategy: Name, setup: &Setup, came: &Came, with_full: bool) -> Self {
         let errors = Errors::of(came.hours.values().filter(|hour| with_full || hour.full == 0.0));
+        let reservoir = setup.storage.reservoir();
+        let begin = begin_v(reservoir.battery);
+        let stored = reservoir.energy_j(begin);
         Self {
             strategy,
             part: setup.processor.name,
             storage: setup.storage.name,
-            capacitance_f: setup.storage.capacitance,
+            capacitance_f: reservoir.differential_f(begin),
+            income_w: setup.storage.income,
+            leakage_w: reservoir.leaking(stored) * stored,
             draw_spread: setup.spread,
             share: came.share,
             error_median: errors.median,

@@ -35,7 +35,7 @@ impl Oracle {
             lock_out: world.lock_out(),
             action,
             every: world.parameters.actions[0].every,
-            net: (0..seconds as u32).map(|second| world.income_of(second) - draw).collect(),
+            net: (0..seconds as u32).map(|second| world.stored_of(second) - draw).collect(),
             leaking,
         }
     }

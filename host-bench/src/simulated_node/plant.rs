@@ -1,10 +1,11 @@
 //! The plant of a node: storage, converter and sensor, with an income that is known minute by minute.
 
+use harvester_scene::market::Reservoir;
 use model_core::node::{IncomeOfTime, Progress, Task, VoltageParameters, Wake};
 
 use super::Source;
 use super::harvester::{Shaking, acceleration};
-use super::settings::{CELL, CONVERTER_NOISE, Settings, UNIT};
+use super::settings::{CELL, CONVERTER_NOISE, Settings, UNIT, begin_v};
 use super::strategy::Strategy;
 
 /// Noise of the sensor in counts RMS, and gravity in m/s², which is on its axis.
@@ -32,7 +33,7 @@ impl Parts {
 /// An hour that a node has told. Energies in J.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hour {
-    /// Hour of the run in which it ended, from 0.
+    /// Hour of the run in which most of it was, from 0.
     pub index: usize,
     pub truth: f64,
     pub told: f64,
@@ -72,6 +73,7 @@ pub struct Run {
 #[derive(Debug)]
 pub struct World<'a> {
     pub(super) parameters: VoltageParameters<1>,
+    reservoir: Reservoir,
     rate: f64,
     minutes: &'a [f64],
     shaking: &'a [Shaking],
@@ -94,7 +96,7 @@ pub struct World<'a> {
 }
 
 impl<'a> World<'a> {
-    /// At 3 V, under the energies in J and the shaking of each minute.
+    /// At 3 V or with a half-charged battery, under the energies in J and the shaking of each minute.
     pub fn new(
         settings: &Settings,
         (minutes, shaking): (&'a [f64], &'a [Shaking]),
@@ -103,6 +105,7 @@ impl<'a> World<'a> {
     ) -> Self {
         let mut world = Self {
             parameters: settings.parameters(),
+            reservoir: settings.reservoir(parts.capacitance),
             rate: settings.rate(),
             minutes,
             shaking,
@@ -121,7 +124,7 @@ impl<'a> World<'a> {
             spent: 0.0,
             lock_outs: 0,
         };
-        world.energy = world.at(3.0);
+        world.energy = world.reservoir.energy_j(begin_v(settings.battery));
         world.stored.push(world.energy);
         world
     }
@@ -131,13 +134,9 @@ impl<'a> World<'a> {
         self.income.len() as u32 - 1
     }
 
-    fn capacitance(&self) -> f64 {
-        f64::from(self.parameters.storage.capacitor.capacitance) * self.parts.capacitance
-    }
-
     /// Energy in J at a voltage in V.
     fn at(&self, voltage: f32) -> f64 {
-        0.5 * self.capacitance() * f64::from(voltage).powi(2)
+        self.reservoir.energy_j(voltage.into())
     }
 
     /// Energy at the lock-out.
@@ -147,14 +146,13 @@ impl<'a> World<'a> {
 
     /// Energy at the highest voltage.
     pub(super) fn capacity(&self) -> f64 {
-        self.at(self.parameters.storage.highest_voltage) * self.parts.highest.powi(2)
+        self.reservoir.energy_j(f64::from(self.parameters.storage.highest_voltage) * self.parts.highest)
     }
 
     /// Energy of a second of the standing power, energy of an action, and part of the energy that leaks in a second.
     pub(super) fn draws(&self) -> [f64; 3] {
-        let VoltageParameters { standing_power, actions: [action], storage, .. } = &self.parameters;
-        let resistance = f64::from(storage.capacitor.leakage_resistance);
-        let leaking = 2.0 * self.parts.leakage / (resistance * self.capacitance());
+        let VoltageParameters { standing_power, actions: [action], .. } = &self.parameters;
+        let leaking = self.parts.leakage * self.reservoir.leaking(self.energy);
         [
             f64::from(*standing_power) * self.parts.standing,
             f64::from(action.energy) * self.parts.action,
@@ -162,8 +160,13 @@ impl<'a> World<'a> {
         ]
     }
 
+    /// True income of a second into the storage.
+    pub(super) fn stored_of(&self, second: u32) -> f64 {
+        self.reservoir.charging_efficiency() * self.income_of(second)
+    }
+
     /// True income of a second.
-    pub(super) fn income_of(&self, second: u32) -> f64 {
+    fn income_of(&self, second: u32) -> f64 {
         self.minutes.get(second as usize / 60).map_or(0.0, |minute| minute / 60.0)
     }
 
@@ -173,11 +176,12 @@ impl<'a> World<'a> {
         for _ in 0..seconds {
             let draw = if self.is_on { draw } else { 0.0 };
             let (income, leaked) = (self.income_of(self.second()), leaking * self.energy);
-            self.energy += income - draw - leaked;
+            let stored = self.stored_of(self.second());
+            self.energy += stored - draw - leaked;
             let above = (self.energy - capacity).max(0.0);
             self.energy -= above;
             self.shunted += above;
-            self.leaked += leaked;
+            self.leaked += leaked + (income - stored);
             self.spent += draw;
             self.income.push(self.income.last().unwrap_or(&0.0) + income);
             self.full.push(self.full.last().unwrap_or(&0) + u32::from(above > 0.0));
@@ -209,8 +213,11 @@ impl<'a> World<'a> {
         self.repeated = if self.read == second { self.repeated + 1 } else { 0 };
         self.read = second;
         let mut noise = Source::of_seed(self.seed ^ (second << 20) ^ (self.repeated << 56));
-        let voltage =
-            (2.0 * self.energy / self.capacitance()).max(0.0).sqrt() + CONVERTER_NOISE * noise.normal();
+        let open = self.reservoir.voltage_v(self.energy);
+        let resistance = self.reservoir.battery.map_or(0.0, |battery| battery.resistance_ohm.0);
+        let [draw, ..] = self.draws();
+        let risen = resistance * (self.stored_of(self.second()) - draw) / open.max(0.1);
+        let voltage = open + risen + CONVERTER_NOISE * noise.normal();
         (voltage / CELL).round().clamp(0.0, 4095.0) as u32
     }
 
@@ -248,7 +255,10 @@ impl<'a> World<'a> {
         let before = strategy.spent();
         let was_off = !self.is_on;
         let turn_on = self.at(self.parameters.storage.turn_on_voltage);
-        while was_off && self.energy < turn_on && self.is_going_on() {
+        while was_off && self.energy < turn_on {
+            if !self.is_going_on() {
+                return Wake { task: Task::Sleep, again_in: 60, read: false };
+            }
             self.advance(1);
         }
         self.is_on = true;
@@ -267,7 +277,7 @@ impl<'a> World<'a> {
         let (end, begin) = (self.second() as usize, self.second().saturating_sub(told.seconds) as usize);
         let seconds = f64::from(told.seconds);
         Hour {
-            index: (end - 1) / 3600,
+            index: (begin + end) / 7200,
             truth: self.income[end] - self.income[begin],
             told: told.energy.into(),
             bound: told.bound.into(),

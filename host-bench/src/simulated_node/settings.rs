@@ -1,18 +1,22 @@
 //! How a node is built, and what it is told of its parts.
 
-use harvester_scene::market::{Accelerometer, Code, CostModel, Instructions, Processor, node_instructions};
+use harvester_scene::market::{
+    Accelerometer, Battery, Code, CostModel, Instructions, Processor, Reservoir, node_instructions,
+};
 use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
 use model_core::excitation::LineBank;
 use model_core::node::{
-    Bursts, Converter, MapNode, MapParameters, MapState, Regular, Sensor, Tolerances, VoltageNode,
-    VoltageParameters, VoltageState,
+    BatteryElement, Bursts, CapacitorElement, Converter, Element, MapNode, MapParameters, MapState,
+    NodeError, Regular, Sensor, Tolerances, VoltageNode, VoltageParameters, VoltageState,
 };
 
 use super::harvester::Kind;
 use super::strategy::Tiered;
 
 /// A node with a map: sections of at most 20 samples, 32 of them in a block; one action.
-pub type OneNode = MapNode<&'static [u8], 20, 32, 1>;
+pub type OneNode = MapOn<CapacitorElement>;
+/// The same on an element.
+pub(super) type MapOn<E> = MapNode<&'static [u8], 20, 32, 1, E>;
 pub type OneState = MapState<32, 1>;
 
 /// Sensor: m/s² of a count.
@@ -22,8 +26,15 @@ pub(super) const CELL: f64 = 5.0 / 4096.0;
 pub(super) const CONVERTER_NOISE: f64 = 0.6e-3;
 /// Blocks of samples in a burst.
 const BLOCKS: u32 = 1;
-/// Lock-out, turn-on and highest voltage in V.
+/// Lock-out, turn-on and highest voltage of a capacitor in V.
 const VOLTAGES: [f64; 3] = [1.8, 2.2, 4.5];
+/// Mean income in W, unless a storage has another one.
+pub(super) const INCOME: f64 = 2.9e-6;
+
+/// Voltage in V at which a run begins: 3 V, or that of a half-charged battery.
+pub(super) fn begin_v(battery: Option<Battery>) -> f64 {
+    battery.map_or(3.0, |battery| battery.half_v.0)
+}
 
 /// How a node is built: its storage, what its parts cost, and how far they may be off. Energies in J of a harvester that is
 /// scaled to the income.
@@ -34,6 +45,10 @@ pub struct Settings {
     /// Of the storage in F, and its leakage resistance in Ω.
     pub capacitance: f64,
     pub leakage: f64,
+    /// Beside the capacitor.
+    pub battery: Option<Battery>,
+    /// Lock-out, turn-on and highest voltage in V.
+    pub voltages: [f64; 3],
     /// Mean income in W that the harvester is scaled to, and the income in W of the harvester as it is over that.
     pub income: f64,
     pub scale: f64,
@@ -62,7 +77,9 @@ impl Settings {
             processor,
             capacitance,
             leakage: f64::INFINITY,
-            income: 2.9e-6,
+            battery: None,
+            voltages: VOLTAGES,
+            income: INCOME,
             scale: 1.0,
             standing: 0.3e-6,
             action: 0.3e-3,
@@ -73,6 +90,33 @@ impl Settings {
             of_capacitance: 0.0,
             of_highest: 0.0,
             gain: 1.0,
+        }
+    }
+
+    /// With another income, and a standing power and actions in proportion.
+    #[must_use]
+    pub(super) fn with_income(self, income: f64) -> Self {
+        let factor = income / self.income;
+        Self { income, standing: factor * self.standing, action: factor * self.action, ..self }
+    }
+
+    /// On a battery beside the capacitor, a third of which is the reserve.
+    #[must_use]
+    pub(super) fn with_battery(self, battery: Battery) -> Self {
+        let lockout = battery.lockout.expect("a test reads the file");
+        let voltages = [lockout.turn_off_v, lockout.turn_on_v, battery.highest_v];
+        let with = Self { battery: Some(battery), voltages, ..self };
+        let [lock_out, _, full] = voltages.map(|voltage| with.reservoir(1.0).energy_j(voltage));
+        Self { reserve: 0.3 * (full - lock_out), ..with }
+    }
+
+    /// What holds the energy, with so many times the stated capacitance and charge, in the energies of the harvester as it is.
+    pub(super) fn reservoir(&self, factor: f64) -> Reservoir {
+        let small = |number: f64| f64::from(number as f32);
+        Reservoir {
+            capacitance_f: factor * small(self.capacitance / self.scale),
+            leakage_ohm: small(self.leakage * self.scale),
+            battery: self.battery.map(|battery| battery.scaled(factor / self.scale)),
         }
     }
 
@@ -95,7 +139,8 @@ impl Settings {
     pub(super) fn parameters(&self) -> VoltageParameters<1> {
         let small = |energy: f64| (energy / self.scale) as f32;
         let reading = self.cost().reading(node_instructions(self.processor.core).reading);
-        let [lock_out_voltage, turn_on_voltage, highest_voltage] = VOLTAGES.map(|voltage| voltage as f32);
+        let [lock_out_voltage, turn_on_voltage, highest_voltage] =
+            self.voltages.map(|voltage| voltage as f32);
         VoltageParameters {
             storage: StorageParameters {
                 capacitor: Capacitor {
@@ -111,12 +156,17 @@ impl Settings {
             converter: Converter { bits: 12, full_scale: 5.0, noise: CONVERTER_NOISE as f32 },
             standing_power: small(self.standing),
             reading: small(reading),
-            intervals: [60, 300],
+            // A burst is taken after a reading.
+            intervals: [60, if self.battery.is_some() { 60 } else { 300 }],
             tolerances: Tolerances {
                 standing: self.spread as f32,
                 action: self.of_action as f32,
                 capacitance: self.of_capacitance as f32,
-                leakage: if self.leakage.is_finite() { LEAKAGE_TOLERANCE } else { 0.0 },
+                leakage: if self.leakage.is_finite() || self.battery.is_some() {
+                    LEAKAGE_TOLERANCE
+                } else {
+                    0.0
+                },
                 highest_voltage: self.of_highest as f32,
                 ..Tolerances::EXACT
             },
@@ -131,11 +181,22 @@ impl Settings {
     /// # Panics
     /// If the settings are outside the bounds of a node.
     pub(super) fn voltage(&self) -> Tiered<VoltageNode<1>> {
-        let node = self.parameters().build().unwrap_or_else(|error| panic!("{error}"));
-        let spent = |node: &VoltageNode<1>, state: &VoltageState<1>| {
-            f64::from(state.readings()) * f64::from(node.parameters().reading)
-        };
-        Tiered::new(node, VoltageState::last_hour, VoltageNode::overall, spent)
+        by_voltage(self.parameters().build().unwrap_or_else(|error| panic!("{error}")))
+    }
+
+    /// The same on a battery.
+    ///
+    /// # Panics
+    /// If the settings are outside the bounds of a node.
+    pub(super) fn voltage_on(&self, battery: Battery) -> Tiered<VoltageNode<1, BatteryElement>> {
+        let node = self.parameters().build_with_battery(self.stated(battery));
+        by_voltage(node.unwrap_or_else(|error| panic!("{error}")))
+    }
+
+    /// What a node is told of a battery.
+    fn stated(&self, battery: Battery) -> model_core::energy::Battery {
+        let tolerance = self.of_capacitance as f32;
+        model_core::energy::Battery { tolerance, ..battery.scaled(1.0 / self.scale).of_core() }
     }
 
     /// The node with the map of the harvester.
@@ -143,13 +204,29 @@ impl Settings {
     /// # Panics
     /// If the settings are outside the bounds of a node.
     pub fn map(&self) -> Tiered<OneNode> {
-        let node = self.map_node(self.kind.map()).unwrap_or_else(|error| panic!("{error}"));
-        Tiered::new(node, OneState::last_hour, OneNode::overall, |node, state| {
-            node.spent_on_knowing(state).into()
-        })
+        self.map_node(self.kind.map(), MapNode::new).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    fn map_node(&self, map: &'static [u8]) -> Result<OneNode, String> {
+    /// The same on a battery.
+    ///
+    /// # Panics
+    /// If the settings are outside the bounds of a node.
+    pub(super) fn map_on(&self, battery: Battery) -> Tiered<MapOn<BatteryElement>> {
+        let battery = self.stated(battery);
+        let node =
+            self.map_node(self.kind.map(), |map, bank, with| MapNode::with_battery(map, bank, with, battery));
+        node.unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn map_node<E: Element>(
+        &self,
+        map: &'static [u8],
+        build: impl FnOnce(
+            ResponseMap<&'static [u8]>,
+            LineBank<20, 32>,
+            MapParameters<1>,
+        ) -> Result<MapOn<E>, NodeError>,
+    ) -> Result<Tiered<MapOn<E>>, String> {
         let fail = |error: &dyn std::fmt::Debug| format!("{error:?}");
         let fingerprint = u32::from_le_bytes([map[6], map[7], map[8], map[9]]);
         let map = ResponseMap::new(map, fingerprint).map_err(|error| fail(&error))?;
@@ -174,8 +251,17 @@ impl Settings {
             gain: self.gain as f32,
             gain_drift: 0.02,
         };
-        MapNode::new(map, bank, parameters).map_err(|error| error.to_string())
+        let node = build(map, bank, parameters).map_err(|error| error.to_string())?;
+        Ok(Tiered::new(node, OneState::last_hour, MapOn::<E>::overall, |node, state| {
+            node.spent_on_knowing(state).into()
+        }))
     }
+}
+
+fn by_voltage<E: Element>(node: VoltageNode<1, E>) -> Tiered<VoltageNode<1, E>> {
+    Tiered::new(node, VoltageState::last_hour, VoltageNode::<1, E>::overall, |node, state| {
+        f64::from(state.readings()) * f64::from(node.parameters().reading)
+    })
 }
 
 /// Relative 1σ of a leakage.

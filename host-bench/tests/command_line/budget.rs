@@ -233,6 +233,29 @@ fn the_ledger_of_a_whole_day_on_the_store_closes_in_single_precision() {
 }
 
 #[test]
+fn a_node_lives_on_a_battery() {
+    let on =
+        |keys: &str| format!("node.storage={{{keys},charging_efficiency=0.8,discharging_efficiency=0.9}}");
+    let day = json("budget-battery", &["--set", &on("battery='slb12400l151'")]);
+    let of = |key: &str| number(&day, key);
+    assert!((of("income_j") / of("harvested_energy_j") - 0.8 * 0.99).abs() < 1e-9, "{day}");
+    // The budget of the core in single precision, and the plant by the charge of the battery.
+    assert!(of("store_residual") < 1e-9 && of("budget_error") < 1e-5 && of("lockout_s") == 0.0, "{day}");
+    // From half a charge, which loses 1.3e-8 of some 600 J in a second.
+    assert!((of("lowest_voltage_v") - 2.34).abs() < 1e-3 && (0.5..0.9).contains(&of("leaked_j")), "{day}");
+    assert!(day["capacitance_for_wishes_f"].is_null(), "{day}");
+    for (keys, parts) in [
+        ("battery='x'", ["node.storage.battery = \"x\"", "\"slb12400l151\""]),
+        ("battery='slb12400l151',highest_v=2.9", ["node.storage.highest_v = 2.9", "from 1.8000 to 2.8000"]),
+        ("battery='apr18650m1b',turn_off_v=1.9", ["node.storage.turn_off_v = 1.9", "from 2.0102 to 3.5981"]),
+    ] {
+        refused(&["budget", NODE, "--set", &on(keys)], &parts);
+    }
+    let both = ["budget", NODE, "--set", BRIDGED, "--set", "node.storage={battery='slb12400l151'}"];
+    refused(&both, &["node.storage.battery", "must not be given beside the storage in [load]"]);
+}
+
+#[test]
 fn two_storages_at_once_are_refused() {
     for (storage, key) in [
         ("{preset='ltc3588-1-3v3'}", "node.storage.preset"),

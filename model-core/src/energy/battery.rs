@@ -186,7 +186,7 @@ mod tests {
     fn charge_at(voltage: f64, capacitance: f64) -> f64 {
         let after = POINTS.iter().position(|point| voltage < f64::from(point[1])).unwrap_or(POINTS.len() - 1);
         let [[from, low], [to, high]] = [POINTS[after - 1], POINTS[after]].map(|point| point.map(f64::from));
-        14.4_f32 as f64 * (from + (to - from) * (voltage - low) / (high - low)) + capacitance * voltage
+        f64::from(14.4_f32) * (from + (to - from) * (voltage - low) / (high - low)) + capacitance * voltage
     }
 
     #[test]
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn a_curve_that_does_not_rise_and_numbers_out_of_bounds_are_named() {
         let refused = |battery: Battery| {
-            let error = battery.curve::<f32>(0.0).err().expect("refused");
+            let error = battery.curve::<f32>(0.0).expect_err("refused");
             (error.field, error.value, error.bounds.lowest)
         };
         let points = |points: &'static [[f32; 2]]| refused(Battery { points, ..BATTERY });
@@ -263,7 +263,7 @@ mod tests {
             budget.update(&mut state, 60, came, spent);
             for _ in 0..600 {
                 // Explicit, in tenths of a second.
-                energy += (0.98_f32 as f64 * 0.9 * came - (spent + 600e-6) / 0.8) / 600.0 - 1e-9 * energy;
+                energy += (f64::from(0.98_f32) * 0.9 * came - (spent + 600e-6) / 0.8) / 600.0 - 1e-9 * energy;
             }
         }
         assert!((state.energy() / energy - 1.0).abs() < 1e-9, "{} {energy}", state.energy());

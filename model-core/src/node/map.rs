@@ -32,7 +32,6 @@ use crate::excitation::{LineBank, LineBankState};
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint, Reader, Snapshot, Writer, snapshot_fields};
 use finding::{Blocks, Motion};
-use gain::LOWEST_GAIN;
 use income::{Held, ModelledEnergy};
 
 /// Seconds after its end at which a burst that is not complete is given up.
@@ -154,14 +153,6 @@ impl<const P: usize, const ACTIONS: usize> MapState<P, ACTIONS> {
     #[must_use]
     pub fn bursts(&self) -> u32 {
         self.bursts
-    }
-
-    /// Takes a gain that was measured once, 10⁻³ to 10³, with the relative standard deviation of its error, 0 to 10; another one is
-    /// ignored. On a storage that tells little, such as a battery, a node learns its gain by no other way.
-    pub fn set_gain(&mut self, gain: f32, deviation: f32) {
-        if (LOWEST_GAIN..=1.0 / LOWEST_GAIN).contains(&gain) && (0.0..=10.0).contains(&deviation) {
-            (self.gain, self.of_gain) = (gain, gain * gain * deviation * deviation);
-        }
     }
 
     /// Asks for a burst after the next reading, whatever it is worth: for [`MapNode::power`].
@@ -324,11 +315,21 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
 
     /// The income of an hour, which the voltage `told`, or the map if it knows it better.
     fn tell(&self, state: &MapState<P, ACTIONS>, told: IncomeOfTime) -> IncomeOfTime {
-        let [energy, variance, lasting] = self.by_map(state, &state.hour);
-        let bound = BOUND * Scalar::sqrt(variance) + lasting;
+        let [mut energy, variance, lasting] = self.by_map(state, &state.hour);
+        let mut bound = BOUND * Scalar::sqrt(variance) + lasting;
+        let is_known = if E::IS_FLAT {
+            // Where the map says nothing the power of before goes on, or any other one up to the largest.
+            let unknown = real(state.hour.unknown);
+            let most = self.largest() * unknown;
+            energy += Scalar::min(state.gain * state.held.yielded.value * unknown, most);
+            bound += most;
+            true
+        } else {
+            state.hour.is_known()
+        };
         // Vibration that no burst has met is seen by the voltage.
         let is_in_doubt = Scalar::abs(energy - told.energy) > bound + told.bound;
-        if state.hour.is_known() && bound < told.bound && !is_in_doubt {
+        if is_known && bound < told.bound && !is_in_doubt {
             IncomeOfTime { energy, bound, ..told }
         } else {
             told

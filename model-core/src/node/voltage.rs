@@ -576,9 +576,8 @@ impl<const ACTIONS: usize, E: Element> Configuration for VoltageNode<ACTIONS, E>
     /// Of the storage and its converter alone: what was learnt survives other intervals, energies and tolerances.
     fn identify(&self, fingerprint: &mut Fingerprint) {
         fingerprint.name("voltage");
-        let Self { full_code, leakage_rate, lock_out, .. } = *self;
-        self.element.identify(fingerprint);
-        fingerprint.numbers(&[leakage_rate, lock_out]);
+        let Self { element, full_code, leakage_rate, lock_out, .. } = *self;
+        fingerprint.numbers(&[element.identity(), leakage_rate, lock_out]);
         fingerprint.numbers(&[full_code, ACTIONS as u32]);
     }
 }

@@ -1,6 +1,7 @@
 //! Nodes over hours of random shaking, on the plant of `host_bench::simulated_node`: what they say of the income against what the
 //! true harvester yields.
 
+mod battery;
 mod beating;
 mod below_the_map;
 mod converter;
@@ -39,7 +40,7 @@ fn off_by(spread: f64, seed: u64) -> Parts {
 
 /// As its name says: a capacitor, known to a limit.
 fn capacitor(capacitance: f64, of_capacitance: f64) -> Storage {
-    Storage { name: "capacitor", capacitance, leakage: f64::INFINITY, of_capacitance }
+    Storage { of_capacitance, ..Storage::capacitor(capacitance) }
 }
 
 #[test]

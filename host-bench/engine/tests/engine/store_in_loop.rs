@@ -5,6 +5,7 @@ use harvester_scene::method::{Options, Precision};
 use harvester_scene::scene_file::{HOURS, Override, Scene, Storage, read, shipped};
 
 const STORAGE: Storage = Storage {
+    battery: None,
     capacitance_f: 100e-6,
     leakage_ohm: 1e8,
     initial_v: 4.5,

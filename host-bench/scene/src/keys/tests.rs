@@ -65,7 +65,7 @@ fn a_template_is_the_scene_that_its_values_are_of() {
 }
 
 /// Every kind of table with its keys, as options that make it of a template that has the tables around.
-const KINDS: [(&str, &[&str]); 27] = [
+const KINDS: [(&str, &[&str]); 28] = [
     ("contact-separation", &[]),
     ("contact-separation", &["parameters.restitution={kind='constant', coefficient=0.5}"]),
     ("contact-separation", &["initial={gap_m=1e-3, velocity_m_per_s=0, charge_c=0}"]),
@@ -133,6 +133,7 @@ const KINDS: [(&str, &[&str]); 27] = [
             "node.storage={capacitance_f=0.2, leakage_ohm=1e6, initial_v=3, charging_efficiency=0.9, discharging_efficiency=0.9, highest_v=5, turn_on_v=3, turn_off_v=2}",
         ],
     ),
+    ("node", &["node.storage={battery='slb12400l151', charging_efficiency=0.9, discharging_efficiency=0.9}"]),
     ("node", &["node.time_constant_s=1e4", "node.day_weight=0.5"]),
     (
         "node",

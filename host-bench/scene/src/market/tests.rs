@@ -82,6 +82,31 @@ fn every_figure_is_a_number_with_a_source() {
         check(part.name, part.overhead_s, 1e-5, 0.1);
         check(part.name, part.bit_rate_hz, 1e3, 2e6);
     }
+    for part in Battery::all() {
+        let Battery { half_v, charge_c, resistance_ohm, charging_efficiency, tolerance, .. } = *part;
+        check(part.name, half_v, 1.0, 5.0);
+        check(part.name, charge_c, 0.01, 1e5);
+        check(part.name, resistance_ohm, 1e-3, 1e5);
+        check(part.name, charging_efficiency, 0.5, 1.0);
+        check(part.name, part.self_discharge_per_s, 1e-11, 1e-6);
+        check(part.name, tolerance, 0.0, 0.3);
+        // The core takes it, and the line has the stated voltage at half charge.
+        let curve = part.of_core().curve::<f64>(0.0).expect(part.word);
+        let after = part.open_circuit.iter().position(|point| point[0] >= 0.5).expect("rises to 1");
+        let [[from, low], [to, high]] = [part.open_circuit[after - 1], part.open_circuit[after]];
+        let half = f64::from(low + (high - low) * (0.5 - from) / (to - from));
+        assert!((half - half_v.0).abs() < 1e-3, "{half}");
+        // The integral by the core is that of the host, over the whole line.
+        let reservoir = Reservoir { capacitance_f: 0.0, leakage_ohm: f64::INFINITY, battery: Some(*part) };
+        for step in 0..=1000 {
+            let [lowest, highest] =
+                [0, part.open_circuit.len() - 1].map(|at| f64::from(part.open_circuit[at][1]));
+            let voltage = lowest + (highest - lowest) * f64::from(step) / 1000.0;
+            let energy = reservoir.energy_j(voltage);
+            assert!((curve.energy(voltage) - energy).abs() < 1e-6 * charge_c.0, "{voltage}: {energy}");
+            assert!((reservoir.voltage_v(energy) - voltage).abs() < 1e-9, "{voltage}: {energy}");
+        }
+    }
     for part in Accelerometer::all() {
         check(part.name, part.slow_current_a, 1e-7, 1e-2);
         check(part.name, part.fast_current_a, 1e-7, 1e-2);
@@ -112,7 +137,10 @@ fn presets_state_their_quiescent_currents_at_the_turn_on_voltage() {
 
 #[test]
 fn each_word_names_one_part() {
-    for words in [Processor::words(), Clock::words(), Accelerometer::words(), Radio::words(), Preset::words()]
+    let of_storages = [Battery::words(), Preset::words()];
+    for words in [Processor::words(), Clock::words(), Accelerometer::words(), Radio::words()]
+        .into_iter()
+        .chain(of_storages)
     {
         assert!(
             words.iter().all(|word| words.iter().filter(|other| *other == word).count() == 1),

@@ -11,12 +11,13 @@ use super::key::{Table, Value, core, number, other, whole};
 use super::preset::{self, PRESET};
 use super::scene::{Action, Draw, HOURS, Knowing, Load, Node, Storage};
 use super::section::Section;
-use crate::market::Preset;
+use crate::market::{Battery, Preset};
 
 const INCOME: CoreTable = IncomeParameters::<f64>::BOUNDS;
 const STORE: CoreTable = StorageParameters::<f64>::BOUNDS;
 const BY_PARTS: &str = "required; 0 with one of the last three keys";
 const OF_PART: &str = "the preset's, else required";
+const OF_BATTERY: &str = "the preset's or the battery's, else required";
 const OF_LOAD: &str = "that of a rectified-store in `[load]`, else required";
 
 /// `[node]`.
@@ -62,13 +63,15 @@ pub(super) static TABLE: Table = Table::of(&[
 
 static STORAGE: Table = Table::of(&[
     PRESET,
+    other("battery", Value::Part(Battery::words), "Name of a battery beside the capacitor").or_said("none"),
     // The capacitance is also one of the core's capacitor behind a bridge.
-    number("capacitance_f", "F", between(1e-9, 1e4), "Capacitance").or_said(OF_LOAD),
+    number("capacitance_f", "F", between(1e-9, 1e4), "Capacitance")
+        .or_said("that of a rectified-store in `[load]`, 100e-6 beside a `battery`, else required"),
     number("leakage_ohm", "Ω", core(STORE, "leakage_resistance"), "Leakage resistance; inf: no leakage")
-        .or_said("the preset's or that of `[load]`, else required"),
+        .or_said("the preset's, that of `[load]`, inf beside a `battery`, else required"),
     number("initial_v", "V", between(0.0, 1e3), "Voltage at the start")
         .limit("at most `highest_v`")
-        .or_said(OF_LOAD),
+        .or_said("that of a rectified-store in `[load]`, that of a half-charged `battery`, else required"),
     number(
         "charging_efficiency",
         "1",
@@ -84,13 +87,13 @@ static STORAGE: Table = Table::of(&[
     )
     .or_said(OF_PART),
     number("highest_v", "V", core(STORE, "highest_voltage"), "Voltage at which further income is shunted")
-        .or_said(OF_PART),
+        .or_said(OF_BATTERY),
     number("turn_on_v", "V", between(0.0, 1e3), "Voltage at which the node is switched on")
         .limit("below `highest_v`")
-        .or_said(OF_PART),
+        .or_said(OF_BATTERY),
     number("turn_off_v", "V", between(0.0, 1e3), "Voltage at which the node is switched off")
         .limit("below `turn_on_v`")
-        .or_said(OF_PART),
+        .or_said(OF_BATTERY),
 ]);
 
 static DAY_TABLE: Table = Table::of(&[other(
@@ -122,6 +125,9 @@ const KNOWING: [&str; 2] = ["listen", "voltage_reading"];
 const DAY: usize = 86_400;
 /// Slots that the core's budget is compiled for here.
 const SLOTS: [usize; 4] = [24, 48, 96, 144];
+/// Capacitance in F beside a battery.
+const BESIDE_F: f64 = 100e-6;
+
 /// Reads `[node]` of a scene whose load is `load`, with the part that `[load]` names.
 pub(super) fn node(mut section: Section<'_>, load: Load, part: Option<Preset>) -> Result<Node, SceneError> {
     let update_s = divisor_of(&mut section, "update_s", DAY)?;
@@ -187,20 +193,27 @@ fn storage(
         one_storage(&mut table, store.draw)?;
     }
     let own = preset::preset(&mut table)?;
+    let named = table.has("battery").then(|| table.part("battery", Battery::words, Battery::named));
+    let battery = named.transpose()?;
     let part = own.or(part_of_load);
     let lockout = own
         .and_then(|part| part.lockout)
+        .or(battery.and_then(|part| part.lockout))
         .or(of_load.and_then(|store| store.draw.lockout()))
         .or(part.and_then(|part| part.lockout));
     let leakage_ohm = own
         .map(|part| part.leakage_ohm())
+        .or(battery.map(|_| f64::INFINITY))
         .or(of_load.map(|store| store.leakage_ohm))
         .or(part.map(|part| part.leakage_ohm()));
-    let highest = part.and_then(|part| part.highest_v);
+    let highest = part.and_then(|part| part.highest_v).or(battery.map(|part| part.highest_v));
+    let capacitance_f = of_load.map(|store| store.capacitance_f).or(battery.map(|_| BESIDE_F));
+    let initial_v = of_load.map(|store| store.initial_v).or(battery.map(|part| part.half_v.0));
     let storage = Storage {
-        capacitance_f: table.number_or("capacitance_f", of_load.map(|store| store.capacitance_f))?,
+        battery,
+        capacitance_f: table.number_or("capacitance_f", capacitance_f)?,
         leakage_ohm: table.number_or("leakage_ohm", leakage_ohm)?,
-        initial_v: table.number_or("initial_v", of_load.map(|store| store.initial_v))?,
+        initial_v: table.number_or("initial_v", initial_v)?,
         charging_efficiency: table
             .number_or("charging_efficiency", part.map(|part| part.charging_efficiency))?,
         discharging_efficiency: table
@@ -218,7 +231,7 @@ fn storage(
 /// Refuses keys that state a storage beside the one in `[load]`, which has this draw.
 fn one_storage(section: &mut Section<'_>, draw: Draw) -> Result<(), SceneError> {
     let of_draw = draw.lockout().map_or(&[][..], |_| &["turn_on_v", "turn_off_v"]);
-    let of_storage = ["preset", "capacitance_f", "leakage_ohm", "initial_v"];
+    let of_storage = ["preset", "battery", "capacitance_f", "leakage_ohm", "initial_v"];
     for key in of_storage.iter().chain(of_draw) {
         if section.has(key) {
             let table = if of_draw.contains(key) { "load.draw" } else { "load" };
@@ -240,6 +253,15 @@ fn in_order(section: &Section<'_>, storage: &Storage) -> Result<(), SceneError> 
     }
     if initial_v > highest_v {
         return Err(section.refuse("initial_v", format!("must be at most highest_v = {highest_v}")));
+    }
+    if let Some([lowest, highest]) = storage.battery.map(|battery| battery.ends()) {
+        for (key, voltage) in [("turn_off_v", turn_off_v), ("initial_v", initial_v), ("highest_v", highest_v)]
+        {
+            if !(lowest..=highest).contains(&voltage) {
+                let range = format!("must be from {lowest:.4} to {highest:.4}, the voltages of the battery");
+                return Err(section.refuse(key, range));
+            }
+        }
     }
     Ok(())
 }

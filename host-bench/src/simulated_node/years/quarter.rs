@@ -2,6 +2,8 @@
 
 use model_core::node::IncomeOfTime;
 
+use crate::method::Failure;
+
 /// What happens to a node beside nights, weekends and seasons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -56,6 +58,25 @@ impl Quarter {
         self.hours += 1;
         self.not_a_number += u32::from(!(hour.energy + hour.bound).is_finite());
         (f64::from(hour.energy) - truth).abs() <= f64::from(hour.bound)
+    }
+
+    /// Refuses a quarter of a node that did not read, told no number, or lost an image of its own.
+    ///
+    /// # Errors
+    /// The quarter and the count.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        let Self { tier, storage, capacitance_f, stress, quarter, .. } = self;
+        let counts = [
+            (self.not_a_number, "hours without a number"),
+            (self.frozen_hours, "hours without a reading"),
+            (self.refused_images, "images refused"),
+        ];
+        match counts.into_iter().find(|(count, _)| *count > 0) {
+            None => Ok(()),
+            Some((count, what)) => Err(Failure::Step(format!(
+                "{tier} on a {storage} of {capacitance_f} F, {stress:?}, quarter {quarter}: {count} {what}"
+            ))),
+        }
     }
 
     pub(super) fn next(self) -> Self {

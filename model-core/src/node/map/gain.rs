@@ -8,7 +8,7 @@ use crate::node::voltage::{Element, Told};
 use crate::scalar::Scalar;
 
 /// Least gain.
-pub(super) const LOWEST_GAIN: f32 = 1e-3;
+const LOWEST_GAIN: f32 = 1e-3;
 /// Variance of a comparison over that of the gain from which it says too little.
 const LITTLE: f32 = 100.0;
 /// Standard deviations of a comparison of map and storage from which it contradicts the gain, and such comparisons in turn after

@@ -35,7 +35,7 @@ pub(super) struct Held {
 pub(super) struct ModelledEnergy {
     /// Seconds, and those of them of which the map says nothing.
     pub(super) seconds: u32,
-    unknown: u32,
+    pub(super) unknown: u32,
     /// In J; the variance of its error by noise and changes, and the error that is the same at the same place in the map.
     pub(super) energy: f32,
     variance: f32,

@@ -79,6 +79,7 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     }
 
     /// Bound in J of the error of an income by two readings.
+    #[inline]
     fn bound_of_two_readings(&self, state: &VoltageState<ACTIONS>) -> f32 {
         let of_a_reading = self.noise * self.element.square_of_slope(state.read);
         self.per_stored * BOUND * Scalar::sqrt(2.0 * of_a_reading)

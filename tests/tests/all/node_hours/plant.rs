@@ -2,9 +2,10 @@
 
 use super::part;
 use host_bench::simulated_node::{
-    Course, Extent, Kind, Name, OneNode, Parts, Settings, Setup, Storage, Timeline, World, rows,
+    Course, Extent, Kind, Name, OneNode, Parts, STORAGES, Settings, Setup, Storage, Strategy, Timeline,
+    World, rows,
 };
-use model_core::node::{Task, Tier, Wake};
+use model_core::node::{IncomeOfTime, Task, Tier, Wake};
 
 fn settings(spread: f64) -> Settings {
     Settings::new(Kind::ContactSeparation, part("nrf52832"), 1e-3, spread)
@@ -53,6 +54,41 @@ fn the_hours_of_a_lock_out_are_inside_their_bounds() {
     assert!(lock_outs >= 6, "{lock_outs}");
 }
 
+/// A node that tells its first hour a minute late.
+struct Late(u32, Option<IncomeOfTime>);
+
+impl Strategy for Late {
+    fn wake(&mut self, now: u32, _: Option<u32>, _: bool) -> Wake {
+        let seconds = now - self.0;
+        if now == 3660 || now == 7200 {
+            (self.0, self.1) = (now, Some(IncomeOfTime { seconds, ..IncomeOfTime::default() }));
+        }
+        Wake { task: Task::Sleep, again_in: 60, read: true }
+    }
+
+    fn last_hour(&self) -> Option<IncomeOfTime> {
+        self.1
+    }
+
+    fn spent(&self) -> f64 {
+        0.0
+    }
+}
+
+#[test]
+fn a_late_hour_is_not_taken_for_the_next_one_and_a_lock_out_at_the_end_is_one() {
+    let settings = settings(0.2);
+    let minutes = [1e-3; 120];
+    let world = World::new(&settings, (&minutes, &[]), Parts::AS_STATED, 1);
+    let run = world.run(&mut Late(0, None), |_| {});
+    let hours: Vec<_> = run.hours.iter().map(|hour| (hour.index, (hour.truth / 1e-3).round())).collect();
+    assert_eq!(hours, [(0, 61.0), (1, 59.0)]);
+    let minutes = [0.0; 60];
+    let mut world = World::new(&settings, (&minutes, &[]), Parts::AS_STATED, 1);
+    world.energy = world.lock_out() + 1000.0 * settings.standing;
+    assert_eq!(world.run(&mut settings.map(), |_| {}).lock_outs, 1);
+}
+
 /// An hour of a storage that fills up, two hours without income, in which it locks out, and one with.
 fn line() -> Timeline {
     let power = |minute: usize| [40e-6, 0.0, 0.0, 5e-6][minute / 60];
@@ -67,10 +103,16 @@ fn line() -> Timeline {
 
 #[test]
 fn what_came_in_was_stored_spent_shunted_or_leaked() {
-    let storage = Storage { name: "", capacitance: 1e-3, leakage: 20e6, of_capacitance: 0.2 };
-    let setup = Setup { processor: part("nrf52832"), storage, spread: 0.2, seeds: 1 };
+    let storage = Storage { leakage: 20e6, of_capacitance: 0.2, ..Storage::capacitor(1e-3) };
+    let battery = STORAGES.into_iter().find(|storage| storage.name == "slb12400l151").expect("a storage");
+    let of = |storage| Setup { processor: part("nrf52832"), storage, spread: 0.2, seeds: 1 };
     for name in Name::ALL {
-        let run = setup.run(name, &line(), 3, 100);
+        // What a battery does not give back counts as leaked.
+        let [came, shunted, leaked, spent] = of(battery).run(name, &line(), 3, 100).account;
+        let stored = of(battery).run(name, &line(), 3, 100).stored;
+        let off = (came - shunted - leaked - spent - (stored[stored.len() - 1] - stored[0])).abs();
+        assert!(off < 1e-9 * came && leaked > 0.01 * came, "{name:?}: {off} J of {came} J");
+        let run = of(storage).run(name, &line(), 3, 100);
         let [came, shunted, leaked, spent] = run.account;
         let change = run.stored.last().expect("a second") - run.stored[0];
         let off = (came - shunted - leaked - spent - change).abs();
@@ -88,19 +130,23 @@ fn the_rows_have_the_keys_of_their_contract() {
     let extent = Extent {
         kinds: vec![Kind::ContactSeparation],
         courses: vec![Course::Random],
+        storages: STORAGES.to_vec(),
+        as_designed: false,
         hours: 4,
         seeds: 1,
         with_full: true,
     };
     let rows = rows(&extent, &[line()], || {});
-    // Six strategies, three parts, six storages, two draws.
-    assert_eq!(rows.len(), 6 * 3 * 6 * 2);
+    // Six strategies, three parts, nine storages, two draws.
+    assert_eq!(rows.len(), 6 * 3 * 9 * 2);
     let text = format!("{:?}", rows[0]);
     let keys = [
         "strategy",
         "part",
         "storage",
         "capacitance_f",
+        "income_w",
+        "leakage_w",
         "draw_spread",
         "share",
         "error_median",

@@ -7,7 +7,7 @@ use super::capacitor;
 #[test]
 fn each_quarter_of_four_hundred_days_is_inside_its_bounds() {
     let supercapacitor =
-        Storage { name: "supercapacitor", capacitance: 0.2, leakage: 40e6, of_capacitance: 0.2 };
+        Storage { name: "supercapacitor", leakage: 40e6, of_capacitance: 0.2, ..Storage::capacitor(0.2) };
     let quarters = years(400, &[capacitor(10e-3, 0.0), supercapacitor]).expect("steps");
     // Two tiers, two storages, still and noisy nights, six stresses, four quarters.
     assert_eq!(quarters.len(), 2 * 2 * 2 * 6 * 4);

@@ -1,5 +1,7 @@
 //! `[node]`: what a sensor node does with what is harvested.
 
+use crate::market::{Battery, Reservoir};
+
 /// Hours of a day.
 pub const HOURS: usize = 24;
 
@@ -35,13 +37,15 @@ pub struct Node {
 /// The store of a node with its converters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Storage {
+    /// A battery beside the capacitor.
+    pub battery: Option<Battery>,
     /// Capacitance in F.
     pub capacitance_f: f64,
     /// Leakage resistance in Ω; infinity is no leakage.
     pub leakage_ohm: f64,
     /// Voltage in V at the start.
     pub initial_v: f64,
-    /// Part of the harvested energy that reaches the store.
+    /// Part of the harvested energy that reaches the store, without that of a battery.
     pub charging_efficiency: f64,
     /// Part of the energy from the store that reaches the node.
     pub discharging_efficiency: f64,
@@ -90,6 +94,15 @@ pub struct PartFigure {
     pub evidence: crate::market::Evidence,
     /// The document, or the assumption.
     pub source: &'static str,
+}
+
+impl Storage {
+    /// What holds its energy.
+    #[must_use]
+    pub fn reservoir(&self) -> Reservoir {
+        let Self { battery, capacitance_f, leakage_ohm, .. } = *self;
+        Reservoir { capacitance_f, leakage_ohm, battery }
+    }
 }
 
 impl Node {
