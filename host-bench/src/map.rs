@@ -8,7 +8,6 @@
 mod agreement;
 mod axes;
 mod column;
-mod fit;
 mod image;
 mod inputs;
 mod picture;
@@ -29,8 +28,8 @@ pub use self::picture::drawn;
 pub(crate) use self::picture::{best, picture};
 pub use self::places::{Place, Truth};
 
-use self::agreement::{bounds, judge, margin};
-use self::image::{Content, SliceBounds};
+use self::agreement::{judge, margin};
+use self::image::{Content, SliceBounds, bounds};
 use self::places::{random, truth};
 use crate::accuracy::Statements;
 use crate::embedded::{fingerprint, with_held};
@@ -170,29 +169,13 @@ fn of_slices(
     let axes = Axes::new(&scenes[0], request, options)?;
     let count = request.places * scenes.len();
     step(Step::More(scenes.len() * axes.frequencies.len() + 2 * count));
-    let made: Vec<(Column, f64)> = (0..scenes.len() * axes.frequencies.len())
-        .into_par_iter()
-        .map(|index| {
-            let frequency_hz = axes.frequencies[index % axes.frequencies.len()];
-            let scene = &scenes[index / axes.frequencies.len()];
-            let made = with_held(scene, frequency_hz, options, |held| {
-                let column = column::column(held, frequency_hz, request.amplitudes)?;
-                Ok((column, held.periods()))
-            });
-            step(Step::Done);
-            made
-        })
-        .collect::<Result<_, _>>()?;
+    let made = swept(scenes, &axes, request, options, step)?;
     let mut periods: f64 = made.iter().map(|(_, periods)| periods).sum();
     let columns: Vec<Column> = made.into_iter().map(|(column, _)| column).collect();
     let slices: Vec<Vec<Column>> = columns.chunks(axes.frequencies.len()).map(<[_]>::to_vec).collect();
-    let voltages: Vec<f64> = scenes
-        .iter()
-        .map(|scene| match scene.load {
-            Load::DcBus { voltage_v, .. } => voltage_v,
-            Load::Resistor { .. } | Load::RectifiedStore(_) => 0.0,
-        })
-        .collect();
+    let voltage =
+        |scene: &Scene| if let Load::DcBus { voltage_v, .. } = scene.load { voltage_v } else { 0.0 };
+    let voltages: Vec<f64> = scenes.iter().map(voltage).collect();
     let mut content = Content {
         axes: &axes,
         fingerprint: fingerprint(&scenes[0])?,
@@ -203,17 +186,7 @@ fn of_slices(
         bounds: &[],
     };
     let places = random(&axes, scenes.len(), request.seed, 2 * count);
-    let measured: Vec<(Truth, f64)> = places
-        .par_iter()
-        .map(|place| {
-            let truth = with_held(&scenes[place.slice], place.frequency_hz, options, |held| {
-                let [rising, falling] = boundaries(&content, place);
-                Ok((truth(held, place, rising.max(falling))?, held.periods()))
-            });
-            step(Step::Done);
-            truth
-        })
-        .collect::<Result<_, _>>()?;
+    let measured = truths(scenes, &places, &content, options, step)?;
     periods += measured.iter().map(|(_, periods)| periods).sum::<f64>();
     let known: Vec<(Place, Truth, [f64; 2])> = places
         .iter()
@@ -245,6 +218,46 @@ fn of_slices(
         .map(|Judged { place, .. }| (&scenes[place.slice], [place.amplitude, place.frequency_hz], None));
     let statements = Statements::of_orbits(&stated.collect::<Vec<_>>(), options)?;
     Ok(Map { image, axes, slices, checked, agreement, margin, broadband, periods, statements })
+}
+
+/// The columns of all slices, each with the simulated periods that it took.
+fn swept(
+    scenes: &[Scene],
+    axes: &Axes,
+    request: &Request,
+    options: &Options,
+    step: &(impl Fn(Step) + Sync),
+) -> Result<Vec<(Column, f64)>, Failure> {
+    let of = |index: usize| {
+        let frequency_hz = axes.frequencies[index % axes.frequencies.len()];
+        let scene = &scenes[index / axes.frequencies.len()];
+        let made = with_held(scene, frequency_hz, options, |held| {
+            let column = column::column(held, frequency_hz, request.amplitudes)?;
+            Ok((column, held.periods()))
+        });
+        step(Step::Done);
+        made
+    };
+    (0..scenes.len() * axes.frequencies.len()).into_par_iter().map(of).collect()
+}
+
+/// The steady motions at some places, each with the simulated periods that it took.
+fn truths(
+    scenes: &[Scene],
+    places: &[Place],
+    content: &Content<'_>,
+    options: &Options,
+    step: &(impl Fn(Step) + Sync),
+) -> Result<Vec<(Truth, f64)>, Failure> {
+    let at = |place: &Place| {
+        let truth = with_held(&scenes[place.slice], place.frequency_hz, options, |held| {
+            let [rising, falling] = boundaries(content, place);
+            Ok((truth(held, place, rising.max(falling))?, held.periods()))
+        });
+        step(Step::Done);
+        truth
+    };
+    places.par_iter().map(at).collect()
 }
 
 /// The levels of both boundaries at a place, by the columns beside it.

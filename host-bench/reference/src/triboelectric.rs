@@ -11,14 +11,14 @@ use cpu_time::ThreadTime;
 pub(crate) use self::bridge::ElectricalPort;
 use self::flow::{Event, Flow, Reason};
 pub(crate) use self::harvester::{
-    CircuitKind, Counts, Dense, Guards, Harvester, Jump, LoadCircuit, Sample, Scales, VACUUM_PERMITTIVITY,
+    Branch, CircuitKind, Counts, Dense, Guards, Harvester, Jump, LoadCircuit, Mode, Motion, Sample, Scales,
+    VACUUM_PERMITTIVITY,
 };
 use self::meter::Meter;
 pub(crate) use self::stick::Stick;
 use super::ledger::Effort;
 use super::schedule::{Schedule, Stretch};
 use super::{ReferenceOptions, StepFailure};
-pub(crate) use flow::{Branch, Mode, Motion};
 use harvester_scene::base_motion::Base;
 use harvester_scene::outcome::Outcome;
 use harvester_scene::progress;

@@ -6,9 +6,8 @@ use std::sync::atomic::Ordering;
 use comfy_table::presets;
 use serde_json::{Map, Value, json};
 
-use super::described::Parameter;
 use super::fitted::Entry;
-use super::free::Place;
+use super::free::{Free, Place};
 use super::lines::{Group, Line, groups};
 use super::model::{Interpolation, Problem};
 use super::solve::Solved;
@@ -282,4 +281,47 @@ fn for_people(found: &Found) -> String {
         let _ = writeln!(text, "not identifiable: {}", product(combination));
     }
     text
+}
+
+/// A free number with its result.
+#[derive(Debug, Clone)]
+pub(crate) struct Parameter {
+    pub(crate) key: String,
+    pub(crate) value: f64,
+    /// `None` at a bound, and of a key that the data do not determine.
+    pub(crate) standard_error: Option<f64>,
+    pub(crate) interval_95: Option<[f64; 2]>,
+    pub(crate) start: f64,
+    pub(crate) at_bound: bool,
+    /// Whether it is a key of the scene that may be written.
+    pub(crate) is_written: bool,
+}
+
+impl Parameter {
+    /// What a scene file says of it.
+    pub(crate) fn entry(&self) -> Entry {
+        let known = match self.interval_95 {
+            Some([low, high]) => format!("95 % from {low:.4e} to {high:.4e}"),
+            None if self.at_bound => "at its bound".to_owned(),
+            None => "without an interval".to_owned(),
+        };
+        let comment = format!("fitted, {known}, start {:e}", self.start);
+        Entry { key: self.key.clone(), value: self.value, comment }
+    }
+
+    /// Of a coordinate with a standard error, and the quantile of Student's t for its interval.
+    pub(super) fn of(free: &Free, at: f64, error: Option<f64>, quantile: f64) -> Self {
+        let value = free.value(at);
+        let interval =
+            error.map(|error| [at - quantile * error, at + quantile * error].map(|end| free.value(end)));
+        Self {
+            key: free.name.clone(),
+            value,
+            standard_error: error.map(|error| error * free.slope(value)),
+            interval_95: interval,
+            start: free.start,
+            at_bound: free.is_at_bound(value),
+            is_written: true,
+        }
+    }
 }

@@ -1,16 +1,13 @@
 //! How well a map agrees with the full model at random places: errors, regimes, and the bounds that follow.
 
 use model_core::energy::Response;
-use model_core::energy::response_map::{BOUNDS, Bounded, Branch};
+use model_core::energy::response_map::{Bounded, Branch};
 
 use super::axes::level_of;
-use super::image::{Bounds, Content, SliceBounds};
 use super::places::{Place, Truth};
 
 /// The largest error found in a part and in those beside it, times this, is the bound.
-const ALLOWANCE: f64 = 1.25;
-/// The least bound in octaves: the roundings of levels and values.
-const LEAST: f64 = 1.0 / 128.0;
+pub(super) const ALLOWANCE: f64 = 1.25;
 /// The least and the largest margin beside a boundary, in levels: 1 % and 10 % of the amplitude.
 const MARGINS: [f64; 2] = [29.4, 281.6];
 /// Distance in levels from a boundary beyond which the regime should be right: 10 % of the amplitude.
@@ -95,7 +92,7 @@ impl Agreement {
 }
 
 /// What is told of each motion; `None` of one that is not told.
-fn told_of(told: &Response) -> [Option<Bounded>; 2] {
+pub(super) fn told_of(told: &Response) -> [Option<Bounded>; 2] {
     match *told {
         Response::One { branch: Branch::Lower, income } => [Some(income), None],
         Response::One { branch: Branch::Upper, income } => [None, Some(income)],
@@ -148,44 +145,6 @@ pub(super) fn margin(measured: &[(Place, Truth, [f64; 2])]) -> f64 {
     (ALLOWANCE * farthest).clamp(MARGINS[0], MARGINS[1])
 }
 
-/// The bounds of each slice, from what a map without bounds tells at places with known motions.
-pub(super) fn bounds(content: &Content<'_>, judged: &[Judged]) -> Vec<SliceBounds> {
-    (0..content.slices.len())
-        .map(|slice| {
-            [0, 1].map(|branch| {
-                let mut largest: [Option<[f64; 2]>; BOUNDS] = [None; BOUNDS];
-                for found in judged.iter().filter(|judged| judged.place.slice == slice) {
-                    let there = [found.truth.lower, found.truth.upper][branch];
-                    if let (Some(told), Some(truth)) = (told_of(&found.told)[branch], there)
-                        && told.value > 0.0
-                    {
-                        let Place { frequency_hz, amplitude, .. } = found.place;
-                        let part = content.part(slice, branch, frequency_hz, amplitude);
-                        let octaves = (truth.max(1e-300) / f64::from(told.value)).log2();
-                        let [lower, higher] = largest[part].unwrap_or_default();
-                        largest[part] = Some([lower.max(-octaves), higher.max(octaves)]);
-                    }
-                }
-                spread(&largest)
-            })
-        })
-        .collect()
-}
-
-/// The largest of each part and of those beside it in the same rows, with an allowance; of all parts where none of these
-/// was measured.
-fn spread(largest: &[Option<[f64; 2]>; BOUNDS]) -> Bounds {
-    let half = BOUNDS / 2;
-    std::array::from_fn(|part| {
-        let first = part / half * half;
-        let beside = part.saturating_sub(1).max(first)..=(part + 1).min(first + half - 1);
-        let near = &largest[beside];
-        let measured = if near.iter().any(Option::is_some) { near } else { &largest[..] };
-        let of = |side: usize| measured.iter().flatten().map(|found| found[side]).fold(0.0, f64::max);
-        [ALLOWANCE * of(0) + LEAST, ALLOWANCE * of(1) + LEAST]
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -225,27 +184,5 @@ mod tests {
         let moving = judged(2.0, Truth { lower: Some(1.9), upper: None });
         let found = Agreement::of(&[stuck, moving]).expect("an error");
         assert_eq!((found.places, found.median), (2, moving.error().unwrap_or(0.0)));
-    }
-
-    #[test]
-    fn a_bound_covers_its_neighbours_and_no_other_rows() {
-        let mut largest = [Some([0.0; 2]); BOUNDS];
-        largest[3] = Some([0.2, 0.1]);
-        largest[8] = Some([0.4, 0.3]);
-        for unmeasured in &mut largest[11..14] {
-            *unmeasured = None;
-        }
-        let spread = spread(&largest);
-        for (part, found) in spread.iter().enumerate() {
-            let expected = match part {
-                2..=4 => [0.25 + LEAST, 0.125 + LEAST],
-                8 | 9 => [0.5 + LEAST, 0.375 + LEAST],
-                // Nothing was measured there: the largest of all.
-                12 => [0.5 + LEAST, 0.375 + LEAST],
-                _ => [LEAST; 2],
-            };
-            let off = (0..2).map(|side| (found[side] - expected[side]).abs()).fold(0.0, f64::max);
-            assert!(off < 1e-12, "{part}: {found:?}");
-        }
     }
 }

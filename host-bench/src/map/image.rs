@@ -1,4 +1,4 @@
-//! The words of a map.
+//! The words of a map, and the bounds of its slices.
 
 use model_core::energy::ResponseMap;
 use model_core::energy::response_map::{
@@ -6,10 +6,10 @@ use model_core::energy::response_map::{
     POWER_OCTAVES, ROWS, Spacing, TAIL, UPPER, VERSION, level, row, row_distance, seal,
 };
 
-use super::agreement::Agreement;
+use super::agreement::{ALLOWANCE, Agreement, Judged, told_of};
 use super::axes::{Axes, amplitude_of};
-use super::column::{Column, along};
-use super::fit::fitted;
+use super::column::{Column, along, fitted};
+use super::places::Place;
 use crate::method::Failure;
 
 /// The largest amplitude in m/s² up to which the lower branch of a column is within a tenth of the square law.
@@ -21,6 +21,8 @@ fn straight(column: &Column, over_square: f64) -> f64 {
     amplitude_of(end)
 }
 
+/// The least bound in octaves: the roundings of levels and values.
+const LEAST: f64 = 1.0 / 128.0;
 /// Largest deviation in octaves of the lower branch from the square of the amplitude, over an octave.
 const LINEAR: f64 = 0.1;
 
@@ -350,5 +352,70 @@ impl Image {
     #[must_use]
     pub fn bytes(&self) -> usize {
         2 * self.words.len()
+    }
+}
+
+/// The bounds of each slice, from what a map without bounds tells at places with known motions.
+pub(super) fn bounds(content: &Content<'_>, judged: &[Judged]) -> Vec<SliceBounds> {
+    (0..content.slices.len())
+        .map(|slice| {
+            [0, 1].map(|branch| {
+                let mut largest: [Option<[f64; 2]>; BOUNDS] = [None; BOUNDS];
+                for found in judged.iter().filter(|judged| judged.place.slice == slice) {
+                    let there = [found.truth.lower, found.truth.upper][branch];
+                    if let (Some(told), Some(truth)) = (told_of(&found.told)[branch], there)
+                        && told.value > 0.0
+                    {
+                        let Place { frequency_hz, amplitude, .. } = found.place;
+                        let part = content.part(slice, branch, frequency_hz, amplitude);
+                        let octaves = (truth.max(1e-300) / f64::from(told.value)).log2();
+                        let [lower, higher] = largest[part].unwrap_or_default();
+                        largest[part] = Some([lower.max(-octaves), higher.max(octaves)]);
+                    }
+                }
+                spread(&largest)
+            })
+        })
+        .collect()
+}
+
+/// The largest of each part and of those beside it in the same rows, with an allowance; of all parts where none of these
+/// was measured.
+fn spread(largest: &[Option<[f64; 2]>; BOUNDS]) -> Bounds {
+    let half = BOUNDS / 2;
+    std::array::from_fn(|part| {
+        let first = part / half * half;
+        let beside = part.saturating_sub(1).max(first)..=(part + 1).min(first + half - 1);
+        let near = &largest[beside];
+        let measured = if near.iter().any(Option::is_some) { near } else { &largest[..] };
+        let of = |side: usize| measured.iter().flatten().map(|found| found[side]).fold(0.0, f64::max);
+        [ALLOWANCE * of(0) + LEAST, ALLOWANCE * of(1) + LEAST]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bound_covers_its_neighbours_and_no_other_rows() {
+        let mut largest = [Some([0.0; 2]); BOUNDS];
+        largest[3] = Some([0.2, 0.1]);
+        largest[8] = Some([0.4, 0.3]);
+        for unmeasured in &mut largest[11..14] {
+            *unmeasured = None;
+        }
+        let spread = spread(&largest);
+        for (part, found) in spread.iter().enumerate() {
+            let expected = match part {
+                2..=4 => [0.25 + LEAST, 0.125 + LEAST],
+                8 | 9 => [0.5 + LEAST, 0.375 + LEAST],
+                // Nothing was measured there: the largest of all.
+                12 => [0.5 + LEAST, 0.375 + LEAST],
+                _ => [LEAST; 2],
+            };
+            let off = (0..2).map(|side| (found[side] - expected[side]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-12, "{part}: {found:?}");
+        }
     }
 }

@@ -1,6 +1,5 @@
 //! Error against cost of the embedded core alone and of general integrators of other crates, on the same equations.
 
-mod picture;
 mod table;
 
 use std::process::Command;
@@ -14,9 +13,8 @@ use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{Load, RunSpan, Scene};
 use harvester_peers::{Case, Found, Method, Stop, fits};
 
-pub(crate) use picture::draw;
 use rayon::prelude::*;
-pub(crate) use table::{csv, text};
+pub(crate) use table::{csv, draw, text};
 
 /// Errors of mean power at which costs are compared.
 pub(crate) const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-5];

@@ -4,8 +4,8 @@ use std::convert::Infallible;
 
 use diffsol::error::DiffsolError;
 
-use super::flow::{Motion, Step};
-use super::harvester::{Counts, Harvester};
+use super::flow::Step;
+use super::harvester::{Counts, Harvester, Motion};
 use super::stick::Stick;
 use crate::ledger::{Effort, Ledger, Totals, integral};
 use crate::schedule::Recorder;

@@ -7,8 +7,7 @@
 use std::convert::Infallible;
 
 use super::bridge::{Bridge, Switch};
-use super::flow::Motion;
-use super::harvester::{CircuitKind, Harvester};
+use super::harvester::{CircuitKind, Harvester, Motion};
 use crate::ledger::{Integrals, add, integral};
 use crate::storage::Storage;
 use harvester_scene::base_motion::LocalBase;

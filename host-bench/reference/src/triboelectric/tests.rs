@@ -1,6 +1,6 @@
 //! What the tests of contact-separation and sliding share.
 
-use super::flow::Motion;
+use super::Motion;
 use super::harvester::Harvester;
 use crate::ReferenceOptions;
 use crate::test_support::number;
