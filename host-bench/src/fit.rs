@@ -11,9 +11,7 @@ mod result;
 mod ring_down;
 mod solve;
 mod starts;
-mod systematic;
 mod uncertainty;
-mod unfollowed;
 mod weights;
 
 use std::path::{Path, PathBuf};

@@ -11,7 +11,6 @@ mod column;
 mod image;
 mod inputs;
 mod picture;
-mod places;
 #[cfg(test)]
 mod tests;
 
@@ -26,16 +25,16 @@ pub use self::image::Image;
 pub use self::inputs::{Heard, KINDS, Kind, Said, heard};
 pub use self::picture::drawn;
 pub(crate) use self::picture::{best, picture};
-pub use self::places::{Place, Truth};
+pub use agreement::{Place, Truth};
 
 use self::agreement::{judge, margin};
 use self::image::{Content, SliceBounds, bounds};
-use self::places::{random, truth};
 use crate::accuracy::Statements;
 use crate::embedded::{fingerprint, with_held};
 use crate::method::{Failure, Options};
 use crate::name::Name;
 use crate::scene_file::{Load, Scene};
+use agreement::{random, truth};
 
 /// What a map is to cover, and how well it is to be tested.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::watch::Watch;
-use super::{check_overrides, count, print};
+use super::{Watch, check_overrides, count, print};
 use crate::accuracy::{Statements, run_as_it_is, tell_warnings};
 use crate::budget::outcome::Source;
 use crate::budget::{income, picture, simulate};

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::watch::Watch;
-use super::{NODE, check_keys, note, print, tell};
+use super::{NODE, Watch, check_keys, note, print, tell};
 use crate::accuracy::{Statements, tell_warnings};
 use crate::method::{Failure, Options};
 use crate::motion::{self, LogAxis, Series, View, Wanted};

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use super::files::Outputs;
-use super::watch::Watch;
 use super::{
-    NODE, SceneArguments, StorageVoltage, Unused, check_overrides, count, one_more, print, progress, tell,
+    NODE, SceneArguments, StorageVoltage, Unused, Watch, check_overrides, count, one_more, print, progress,
+    tell,
 };
 use crate::accuracy::{imbalance, run_with_accuracy, tell_warnings};
 use crate::attractors::add_branches;

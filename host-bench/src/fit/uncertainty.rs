@@ -1,6 +1,9 @@
-//! Standard errors, correlations, and the combinations of keys that the data do not determine.
+//! Standard errors, correlations, the combinations of keys that the data do not determine, and what the model does not follow.
 
 use nalgebra::{DMatrix, DVector};
+
+use super::model::Problem;
+use super::solve::Solved;
 
 /// Singular value of the Jacobian, its columns scaled to one, relative to the largest, below which a combination has no
 /// influence on the data beyond the differences' own error. It is that of two keys with a correlation of `1 − 10⁻⁶`.
@@ -120,6 +123,161 @@ fn combination(count: usize, used: &[usize], direction: &[f64]) -> Vec<f64> {
     all
 }
 
+// Whether residuals are systematic: runs of one sign (A. Wald and J. Wolfowitz, *On a test whether two samples are from the
+// same population*, Annals of Mathematical Statistics 11 (1940) 147), here of several sequences together.
+
+/// Least number of residuals that are judged.
+const LEAST: f64 = 8.0;
+/// Standard deviations by which the runs must be fewer than those of chance: one in 700.
+const DEVIATIONS: f64 = 3.0;
+
+/// Runs of one sign in one or several sequences of residuals.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Runs {
+    /// Residuals above and below zero.
+    above: f64,
+    below: f64,
+    /// Neighbours in a sequence, and pairs of such neighbours that have a residual in common.
+    neighbours: f64,
+    overlaps: f64,
+    sequences: usize,
+    pub(super) count: usize,
+}
+
+impl Runs {
+    /// Adds a sequence of residuals in their order.
+    pub(super) fn add(&mut self, residuals: impl IntoIterator<Item = f64>) {
+        let signs: Vec<bool> = residuals
+            .into_iter()
+            .filter(|residual| *residual != 0.0)
+            .map(|residual| residual > 0.0)
+            .collect();
+        if signs.is_empty() {
+            return;
+        }
+        let above = signs.iter().filter(|sign| **sign).count();
+        self.above += above as f64;
+        self.below += (signs.len() - above) as f64;
+        self.neighbours += (signs.len() - 1) as f64;
+        self.overlaps += signs.len().saturating_sub(2) as f64;
+        self.sequences += 1;
+        self.count += 1 + signs.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    }
+
+    /// Mean of the number of runs, and its variance, where all orders of the signs over all sequences are equally likely, so
+    /// that a sequence of one sign beside one of the other is unlikely. With `n₊` and `n₋` signs of each kind, neighbours
+    /// differ with the probability `p = 2 n₊ n₋/(n (n − 1))`, two pairs of them with a residual in common with `p/2`, and two
+    /// without with `4 n₊ (n₊ − 1) n₋ (n₋ − 1)/(n (n − 1) (n − 2) (n − 3))`.
+    pub(super) fn expected(&self) -> [f64; 2] {
+        let Self { above, below, neighbours, overlaps, .. } = *self;
+        let all = above + below;
+        if all < 4.0 {
+            return [self.count as f64, 0.0];
+        }
+        let one = 2.0 * above * below / (all * (all - 1.0));
+        let apart = 2.0 * one * (above - 1.0) * (below - 1.0) / ((all - 2.0) * (all - 3.0));
+        let mean = neighbours * one;
+        let pairs = neighbours * (neighbours - 1.0) / 2.0;
+        let square = mean + overlaps * one + 2.0 * (pairs - overlaps) * apart;
+        [self.sequences as f64 + mean, (square - mean * mean).max(0.0)]
+    }
+
+    /// Whether the runs are so few that the residuals hang together.
+    pub(super) fn are_systematic(&self) -> bool {
+        let [expected, variance] = self.expected();
+        self.above + self.below >= LEAST && (self.count as f64) < expected - DEVIATIONS * variance.sqrt()
+    }
+}
+
+/// Relative residual above which the model does not follow a column: 9 % of its mean square are then left. Noise of a usable
+/// measurement leaves less, and so does the wrong branch of a bistable band (0.18 in the test of such sweeps).
+const UNFOLLOWED: f64 = 0.3;
+/// Most by which a ratio is off a power of a thousand that a prefix of a unit would be.
+const NEAR: f64 = 2.0;
+
+/// A measured column that the model does not follow.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Unfollowed {
+    column: String,
+    /// Relative residual.
+    residual: f64,
+    /// Medians of the magnitudes of data over model: at the solution, and at the start. `None` where the model is 0.
+    ratios: [Option<f64>; 2],
+}
+
+impl Unfollowed {
+    /// The columns of a solution with these relative residuals that it does not follow.
+    pub(super) fn of(problem: &Problem<'_>, solved: &Solved, residuals: &[(String, f64)]) -> Vec<Self> {
+        let large: Vec<&(String, f64)> =
+            residuals.iter().filter(|(_, residual)| !(*residual <= UNFOLLOWED)).collect();
+        if large.is_empty() {
+            return Vec::new();
+        }
+        let start: Vec<f64> = problem.free.iter().map(|free| free.coordinate(free.start)).collect();
+        let at_start = problem.evaluate(&start, &problem.options).ok();
+        let of_column = |(column, residual): &(String, f64)| {
+            let ratio = |values: &[f64]| median(ratios(problem, values, column));
+            let at_start = at_start.as_ref().and_then(|found| ratio(&found.values));
+            let ratios = [ratio(&solved.evaluation.values), at_start];
+            Self { column: column.clone(), residual: *residual, ratios }
+        };
+        large.into_iter().map(of_column).collect()
+    }
+
+    /// Whether one of the ratios is that of a prefix of a unit.
+    fn is_of_a_unit(&self) -> bool {
+        self.ratios.iter().flatten().any(|ratio| is_near_a_power_of_a_thousand(*ratio))
+    }
+
+    /// The warning.
+    pub(super) fn text(&self) -> String {
+        let shown =
+            |ratio: Option<f64>| ratio.map_or_else(|| "unknown".to_owned(), |ratio| format!("{ratio:.3e}"));
+        let [solution, start] = self.ratios.map(shown);
+        let unit = if self.is_of_a_unit() { "; check its unit" } else { "" };
+        format!(
+            "the model does not follow {}: its relative residual is {:.3}; the median ratio of data to model is {solution}, at \
+             the start {start}{unit}",
+            self.column, self.residual
+        )
+    }
+}
+
+/// What the comments of a fitted scene add where the model does not follow these columns.
+pub(super) fn remark(unfollowed: &[Unfollowed]) -> String {
+    let names: Vec<&str> = unfollowed.iter().map(|one| one.column.as_str()).collect();
+    if names.is_empty() { String::new() } else { format!(", the model does not follow {}", names.join(", ")) }
+}
+
+/// Magnitudes of data over model in a column.
+fn ratios(problem: &Problem<'_>, values: &[f64], name: &str) -> Vec<f64> {
+    let mut all = Vec::new();
+    for (file, data) in problem.data.iter().enumerate() {
+        let columns = data.columns.iter().enumerate().filter(|(_, column)| column.name == name);
+        for (index, column) in columns {
+            let rows = column.values.iter().enumerate();
+            all.extend(
+                rows.map(|(row, measured)| (measured / values[problem.index(file, index, row)]).abs()),
+            );
+        }
+    }
+    all
+}
+
+/// The median of those that are finite.
+fn median(mut numbers: Vec<f64>) -> Option<f64> {
+    numbers.retain(|number| number.is_finite());
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied()
+}
+
+/// Whether a ratio is within [`NEAR`] of a thousand, a thousandth, a million and so on.
+fn is_near_a_power_of_a_thousand(ratio: f64) -> bool {
+    let power = (ratio.log10() / 3.0).round();
+    let off = ratio / 1000f64.powf(power);
+    power != 0.0 && (1.0 / NEAR..=NEAR).contains(&off)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -165,5 +323,85 @@ mod tests {
         let found = Uncertainty::of(&[column, other.clone(), other * 0.0], &[true, true, false], 1e-8);
         assert!(found.undetermined.is_empty());
         assert_eq!(found.standard_error(2), 0.0);
+    }
+
+    fn runs(residuals: impl IntoIterator<Item = f64>) -> Runs {
+        let mut runs = Runs::default();
+        runs.add(residuals);
+        runs
+    }
+
+    #[test]
+    fn a_slow_wave_is_systematic_and_alternating_or_random_signs_are_not() {
+        let wave = runs((0..40).map(|index| (f64::from(index) * std::f64::consts::TAU / 20.0 + 0.1).sin()));
+        assert_eq!(wave.count, 4);
+        assert!((wave.expected()[0] - 21.0).abs() < 0.2 && wave.are_systematic(), "{wave:?}");
+        let alternating = runs((0..40).map(|index| if index % 2 == 0 { 1.0 } else { -1.0 }));
+        assert!(alternating.count == 40 && !alternating.are_systematic());
+        // The parity of the binary digits: the sequence of Thue and Morse.
+        let mixed = runs((0..64_u32).map(|index| f64::from(index.count_ones() % 2) - 0.5));
+        assert!(!mixed.are_systematic(), "{mixed:?}");
+    }
+
+    /// All orders of five positive and four negative residuals, in one sequence and in three.
+    #[test]
+    fn mean_and_variance_are_those_of_all_orders() {
+        for lengths in [&[9][..], &[5, 3, 1], &[7, 2]] {
+            let (mut sum, mut squares, mut orders) = (0.0, 0.0, 0.0);
+            let mut stated = Runs::default();
+            for order in (0..1_u32 << 9).filter(|order| order.count_ones() == 5) {
+                let mut residuals = (0..9).map(|bit| if order >> bit & 1 == 1 { 1.0 } else { -1.0 });
+                stated = Runs::default();
+                for &length in lengths {
+                    stated.add(residuals.by_ref().take(length));
+                }
+                sum += stated.count as f64;
+                squares += (stated.count as f64).powi(2);
+                orders += 1.0;
+            }
+            let (mean, [expected, variance]) = (sum / orders, stated.expected());
+            assert!((expected - mean).abs() < 1e-12, "{lengths:?}: {mean}");
+            assert!((variance - (squares / orders - mean * mean)).abs() < 1e-12, "{lengths:?}");
+        }
+    }
+
+    #[test]
+    fn a_sequence_of_each_sign_is_systematic() {
+        let mut apart = Runs::default();
+        for sign in [1.0, -1.0] {
+            apart.add([sign; 10]);
+        }
+        assert!(apart.count == 2 && apart.are_systematic(), "{apart:?}");
+    }
+
+    #[test]
+    fn few_residuals_are_not_judged() {
+        assert!(!runs([1.0, 1.0, 1.0, -1.0, -1.0, -1.0]).are_systematic());
+        assert!(!runs([1.0; 12]).are_systematic(), "one sign alone has one run in every order");
+    }
+
+    #[test]
+    fn a_ratio_of_a_prefix_is_told_from_others() {
+        for (ratio, expected) in [
+            (1000.0, true),
+            (1900.0, true),
+            (510.0, true),
+            (1.2e-3, true),
+            (0.8e6, true),
+            (1.0, false),
+            (0.6, false),
+            (30.0, false),
+            (4000.0, false),
+            (0.0, false),
+            (f64::NAN, false),
+        ] {
+            assert_eq!(is_near_a_power_of_a_thousand(ratio), expected, "{ratio}");
+        }
+    }
+
+    #[test]
+    fn the_median_leaves_out_what_the_model_has_no_value_for() {
+        assert_eq!(median(vec![f64::INFINITY, 3.0, 1.0, 2.0, f64::NAN]), Some(2.0));
+        assert_eq!(median(vec![f64::INFINITY]), None);
     }
 }

@@ -6,10 +6,9 @@ use model_core::energy::response_map::{
     POWER_OCTAVES, ROWS, Spacing, TAIL, UPPER, VERSION, level, row, row_distance, seal,
 };
 
-use super::agreement::{ALLOWANCE, Agreement, Judged, told_of};
+use super::agreement::{ALLOWANCE, Agreement, Judged, Place, told_of};
 use super::axes::{Axes, amplitude_of};
 use super::column::{Column, along, fitted};
-use super::places::Place;
 use crate::method::Failure;
 
 /// The largest amplitude in m/s² up to which the lower branch of a column is within a tenth of the square law.
