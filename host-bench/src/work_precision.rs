@@ -19,7 +19,7 @@ use self::table::Column;
 use crate::method::{Failure, Math, Method, Options, Precision};
 use crate::outcome::Outcome;
 use crate::run::{run_scene, try_run_scene};
-use crate::scene_file::{Model, Scene};
+use crate::scene_file::Scene;
 pub(crate) use table::{Control, Extent, Variant};
 
 /// Relative difference of two errors below which they count as equal.
@@ -48,10 +48,7 @@ pub(crate) struct Kind {
 }
 
 fn kind(scene: &Scene) -> &'static Kind {
-    match scene.model {
-        Model::ContactSeparation(_) | Model::Sliding(_) => &triboelectric::KIND,
-        Model::BumpStop(_) => &bump_stop::KIND,
-    }
+    if scene.model.bump_stop().is_some() { &bump_stop::KIND } else { &triboelectric::KIND }
 }
 
 /// Relative errors against the reference by name; `None` where the reference has no such number or the number is 0.

@@ -3,6 +3,17 @@
 //! Every choice that firmware makes at compile time is made here at run time, by the core's `Any…`
 //! types; precision and elementary functions are type parameters and dispatched below.
 
+/// What is done with the harvester of a scene: the same for both triboelectric ones, and for bump-stop.
+macro_rules! by_harvester {
+    ($scene:expr, triboelectric($model:ident) => $one:expr, bump_stop($beam:pat) => $other:expr $(,)?) => {
+        match &$scene.model {
+            harvester_scene::scene_file::Model::ContactSeparation($model) => $one,
+            harvester_scene::scene_file::Model::Sliding($model) => $one,
+            harvester_scene::scene_file::Model::BumpStop($beam) => $other,
+        }
+    };
+}
+
 mod auto;
 mod bump_stop;
 mod contact_separation;
@@ -23,7 +34,7 @@ use self::excitation::with_setting;
 use crate::steady_state::{BestLoad, Resonance};
 use harvester_scene::method::{Failure, Math, Method, Options, Precision};
 use harvester_scene::outcome::Outcome;
-use harvester_scene::scene_file::{Model, Scene};
+use harvester_scene::scene_file::Scene;
 
 pub use auto::{default_accuracy, tolerance as tolerance_for};
 pub use bump_stop::{
@@ -55,10 +66,10 @@ pub fn run(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
 }
 
 fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
-    with_setting::<S, M, _>(scene, options, |setting| match &scene.model {
-        Model::ContactSeparation(model) => triboelectric::run::<S, M, _>(setting, model),
-        Model::Sliding(model) => triboelectric::run::<S, M, _>(setting, model),
-        Model::BumpStop(model) => bump_stop::run(setting, model),
+    with_setting::<S, M, _>(scene, options, |setting| {
+        by_harvester!(scene,
+            triboelectric(model) => triboelectric::run::<S, M, _>(setting, model),
+            bump_stop(model) => bump_stop::run(setting, model))
     })
 }
 

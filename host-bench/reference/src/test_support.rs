@@ -16,8 +16,7 @@ pub(crate) fn contact_separation() -> ContactSeparationParameters {
 
 /// The sliding harvester of Table 1.
 pub(crate) fn sliding() -> SlidingParameters {
-    let Model::Sliding(model) = shipped("sliding").model else { panic!("another scene") };
-    model.parameters
+    shipped("sliding").model.sliding().expect("sliding").parameters
 }
 
 /// The bump-stop harvester with its stop.

@@ -260,7 +260,7 @@ impl Preset {
 
     /// Power in W from the storage for a connected node that consumes `power` in W: `power` over the
     /// efficiency of the converter, and the part's own consumption above that in lock-out.
-    pub fn power_at_store(&self, power: f64) -> f64 {
+    pub(crate) fn power_at_store(&self, power: f64) -> f64 {
         let more = self.running_a - self.locked_out_a;
         let own = self.lockout.map_or(0.0, |lockout| lockout.turn_on_v * more);
         power / self.discharging_efficiency + own
@@ -285,7 +285,7 @@ impl Accelerometer {
 
 impl Radio {
     /// Time of a packet of `bytes` in s, ramp-up included. `None` above the most bytes of a payload.
-    pub fn packet_time(&self, bytes: u32) -> Option<f64> {
+    pub(crate) fn packet_time(&self, bytes: u32) -> Option<f64> {
         (bytes <= self.most_bytes)
             .then(|| self.ramp_up_s.0 + self.overhead_s.0 + f64::from(8 * bytes) / self.bit_rate_hz.0)
     }

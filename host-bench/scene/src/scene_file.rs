@@ -16,7 +16,6 @@ mod load;
 pub mod modes;
 mod node;
 mod overrides;
-mod preset;
 mod run_span;
 mod scene;
 mod section;

@@ -8,8 +8,7 @@ fn shipped(name: &str) -> Scene {
 
 /// The sliding harvester of Table 1.
 pub(crate) fn sliding() -> SlidingParameters {
-    let Model::Sliding(model) = shipped("sliding").model else { panic!("another scene") };
-    model.parameters
+    shipped("sliding").model.sliding().expect("sliding").parameters
 }
 
 /// The bump-stop harvester with its stop.

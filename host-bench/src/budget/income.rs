@@ -8,7 +8,7 @@
 use crate::accuracy::{Statements, run_as_it_is};
 use crate::embedded::{WholeDay, whole_day};
 use crate::method::{Failure, Options, Precision};
-use crate::scene_file::{Excitation, Load, Model, Node, Scene};
+use crate::scene_file::{Excitation, Load, Node, Scene};
 
 /// Relative tolerance of the step control of a triboelectric scene, as in firmware.
 const NODE_TOLERANCE: f64 = 0.05;
@@ -62,11 +62,8 @@ fn at_voltage(curve: &[(f64, f64)], voltage: f64) -> f64 {
 
 /// Options of a run for the income; the tolerance of firmware where none is given.
 pub(crate) fn options(scene: &Scene, precision: Precision, tolerance: Option<f64>) -> Options {
-    let tolerance = match scene.model {
-        // The step of a bump-stop scene does not follow from a tolerance.
-        Model::BumpStop(_) => tolerance,
-        Model::ContactSeparation(_) | Model::Sliding(_) => tolerance.or(Some(NODE_TOLERANCE)),
-    };
+    // The step of a bump-stop scene does not follow from a tolerance.
+    let tolerance = tolerance.or(scene.model.bump_stop().is_none().then_some(NODE_TOLERANCE));
     Options { precision: Some(precision), tolerance, ..Options::default() }
 }
 

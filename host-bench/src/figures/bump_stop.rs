@@ -13,7 +13,7 @@ pub use self::motion::{CONTACT_FORCE, Motion, ROD, STOP_POINT, TIP, VOLTAGE};
 use super::{Chapter, Figure, Panel, each, shipped, sine};
 use crate::method::{Failure, Options};
 use crate::report::setting::setting;
-use crate::scene_file::{Model, Scene};
+use crate::scene_file::Scene;
 
 /// The shipped scenes of the figures: the stop at the tip, at mid-span, and none.
 const SCENES: [&str; 3] = ["bump-stop-paper", "bump-stop-paper-mid-span", "bump-stop-paper-none"];
@@ -70,10 +70,7 @@ pub fn build(done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
 
 /// Gap at rest in m; 0 without a stop.
 fn gap_m(scene: &Scene) -> f64 {
-    match &scene.model {
-        Model::BumpStop(model) => model.stop.as_ref().map_or(0.0, |stop| stop.gap_m),
-        Model::ContactSeparation(_) | Model::Sliding(_) => 0.0,
-    }
+    scene.model.bump_stop().and_then(|model| model.stop).map_or(0.0, |stop| stop.gap_m)
 }
 
 const INTRODUCTION: &str = "<p>After Mak, McWilliam, Popov and Fox, <i>Vibro-Impact Dynamics of a \

@@ -5,8 +5,8 @@ use super::statistics::{correlation, largest, mean, median, root_mean_square, sh
 use super::{Bound::*, Measured, check};
 use crate::embedded::{ContactInterval, chattering_phases, contact_intervals};
 use crate::method::{Failure, Options};
+use crate::scene_file::Excitation;
 use crate::scene_file::modes::BumpStopModes;
-use crate::scene_file::{Excitation, Model};
 
 /// Time before and after a contact that belongs to the contact phase, in periods.
 const MARGIN: f64 = 0.0625;
@@ -280,12 +280,10 @@ fn mean_displacement_error(history: &History) -> Result<f64, Failure> {
 }
 
 fn modes(history: &History) -> Result<BumpStopModes, Failure> {
-    match &history.scene.model {
-        Model::BumpStop(model) => Ok(BumpStopModes::new(&model.parameters, model.stop.as_ref())),
-        Model::ContactSeparation(_) | Model::Sliding(_) => {
-            Err(Failure::of_file(&history.scene, "scene must be \"bump-stop\" here"))
-        }
-    }
+    let model = history.scene.model.bump_stop();
+    model
+        .map(|model| BumpStopModes::new(&model.parameters, model.stop.as_ref()))
+        .ok_or_else(|| Failure::of_file(&history.scene, "scene must be \"bump-stop\" here"))
 }
 
 /// Period in s of the second bending mode.

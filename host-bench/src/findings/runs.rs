@@ -7,7 +7,7 @@ use crate::embedded::{ContactInterval, contact_intervals};
 use crate::method::{Failure, Options};
 use crate::outcome::{BumpStopOutcome, Outcome};
 use crate::run::run_scene;
-use crate::scene_file::{self, Model, Override, Scene, StopParameters};
+use crate::scene_file::{self, Override, Scene, StopParameters};
 
 /// The scenes of the second paper far below the resonance: the stop at the tip, at mid-span, and none.
 pub(super) const PAPER: [&str; 3] = ["bump-stop-paper", "bump-stop-paper-mid-span", "bump-stop-paper-none"];
@@ -139,8 +139,5 @@ impl History {
 
 /// The stop of a bump-stop scene.
 pub(super) fn stop(scene: &Scene) -> Option<&StopParameters> {
-    match &scene.model {
-        Model::BumpStop(model) => model.stop.as_ref(),
-        Model::ContactSeparation(_) | Model::Sliding(_) => None,
-    }
+    scene.model.bump_stop()?.stop.as_ref()
 }

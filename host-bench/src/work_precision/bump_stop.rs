@@ -7,7 +7,7 @@ use super::table::{Cell, Column, grouped, microseconds, reason, shown};
 use super::{Comparison, Control, Errors, Extent, Kind, Variant, relative};
 use crate::method::{Method, Precision};
 use crate::outcome::{BumpStopOutcome, Outcome, name};
-use crate::scene_file::{Model, Scene};
+use crate::scene_file::Scene;
 
 /// Steps near contact in s that are tried.
 const STEPS: [f64; 9] = [2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2.5e-7, 1e-7, 5e-8];
@@ -64,18 +64,15 @@ const COLUMNS: [Column; 18] = [
 
 /// Modes of the beam and of the rod.
 fn modes(scene: &Scene) -> [usize; 2] {
-    match &scene.model {
-        Model::BumpStop(model) => [model.parameters.beam_modes, model.stop.map_or(0, |stop| stop.rod_modes)],
-        Model::ContactSeparation(_) | Model::Sliding(_) => [0; 2],
-    }
+    scene
+        .model
+        .bump_stop()
+        .map_or([0; 2], |model| [model.parameters.beam_modes, model.stop.map_or(0, |stop| stop.rod_modes)])
 }
 
 /// Place in m of the stop from the clamp, and gap in m; `None` without a stop.
 fn stop(scene: &Scene) -> Option<[f64; 2]> {
-    match &scene.model {
-        Model::BumpStop(model) => model.stop.map(|stop| [stop.position_m, stop.gap_m]),
-        Model::ContactSeparation(_) | Model::Sliding(_) => None,
-    }
+    scene.model.bump_stop()?.stop.map(|stop| [stop.position_m, stop.gap_m])
 }
 
 /// Steps in s near contact and in free flight.

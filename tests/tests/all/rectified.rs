@@ -7,9 +7,7 @@ use cross_crate_tests::{
 };
 use host_bench::method::{Method, Options};
 use host_bench::outcome::Outcome;
-use host_bench::scene_file::{
-    Draw, ForceLaw, Load, Lockout, Model, RectifiedStore, RunSpan, Scene, StickCharge,
-};
+use host_bench::scene_file::{Draw, ForceLaw, Load, Lockout, RectifiedStore, RunSpan, Scene, StickCharge};
 use model_core::clock::TICKS_PER_SECOND;
 
 /// A storage behind diodes of 0.3 V.
@@ -90,10 +88,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
 }
 
 fn outcome(scene: &Scene, options: &Options) -> Outcome {
-    match scene.model {
-        Model::Sliding(_) => slide(scene, options).0,
-        Model::ContactSeparation(_) | Model::BumpStop(_) => run(scene, options).0,
-    }
+    if scene.model.sliding().is_some() { slide(scene, options).0 } else { run(scene, options).0 }
 }
 
 /// What is compared: quantity, value.

@@ -20,7 +20,7 @@ use super::run::{BUDGET, refuse_parameter};
 use super::triboelectric::{STATES, Triboelectric, behind_bridge, prepared};
 use crate::steady_state::{Coordinates, ForcedSystem, MOST_ATTEMPTS, Spent, Total, Verdict, given_up};
 use harvester_scene::method::{Failure, Method, Options, Precision, refuse_first};
-use harvester_scene::scene_file::{Excitation as SceneExcitation, Load, Model, Scene, Tone};
+use harvester_scene::scene_file::{Excitation as SceneExcitation, Load, Scene, Tone};
 
 /// Windows of transient after which a motion that has not settled counts as not periodic.
 const MOST_WINDOWS: usize = 16;
@@ -84,12 +84,10 @@ pub fn with_held<R>(
 ) -> Result<R, Failure> {
     options.check()?;
     options.check_scene(scene)?;
-    let is_own = match scene.model {
-        Model::BumpStop(_) => matches!(options.method, Method::Auto | Method::DiscreteGradient),
-        Model::ContactSeparation(_) | Model::Sliding(_) => {
-            matches!(options.method, Method::Auto | Method::ExponentialRadau)
-        }
-    };
+    let own = by_harvester!(scene,
+        triboelectric(_model) => Method::ExponentialRadau,
+        bump_stop(_) => Method::DiscreteGradient);
+    let is_own = options.method == Method::Auto || options.method == own;
     refuse_first(&[
         (!is_own, "--method: must be auto for steady motions over the amplitude"),
         (options.precision == Some(Precision::F32), "--precision f32: must be f64 for steady motions"),
@@ -102,10 +100,10 @@ pub fn with_held<R>(
         found = with.take().map(|with| with(held));
         Ok(())
     };
-    with_setting::<f64, Polynomial, _>(&scene, options, |setting| match &scene.model {
-        Model::ContactSeparation(model) => triboelectric(setting, model, frequency_hz, &mut call),
-        Model::Sliding(model) => triboelectric(setting, model, frequency_hz, &mut call),
-        Model::BumpStop(model) => beam::held(setting, model, frequency_hz, &mut call),
+    with_setting::<f64, Polynomial, _>(&scene, options, |setting| {
+        by_harvester!(&scene,
+            triboelectric(model) => triboelectric(setting, model, frequency_hz, &mut call),
+            bump_stop(model) => beam::held(setting, model, frequency_hz, &mut call))
     })?;
     found.unwrap_or_else(|| unreachable!("a harvester that started calls once"))
 }
@@ -114,11 +112,9 @@ pub fn with_held<R>(
 /// its bridge; not the voltage of a storage.
 pub fn fingerprint(scene: &Scene) -> Result<u32, Failure> {
     let mut fingerprint = Fingerprint::new();
-    match &scene.model {
-        Model::ContactSeparation(model) => identify(scene, model, &mut fingerprint)?,
-        Model::Sliding(model) => identify(scene, model, &mut fingerprint)?,
-        Model::BumpStop(model) => beam::identify(scene, model, &mut fingerprint)?,
-    }
+    by_harvester!(scene,
+        triboelectric(model) => identify(scene, model, &mut fingerprint)?,
+        bump_stop(model) => beam::identify(scene, model, &mut fingerprint)?);
     if let Some(bridge) = bridge::<f32>(scene.load) {
         fingerprint.numbers(&[bridge.diode_drop]);
     }
@@ -143,7 +139,7 @@ fn triboelectric<T: Triboelectric>(
     with: With<'_>,
 ) -> Result<(), Failure> {
     let Setting { scene, .. } = setting;
-    let is_slider = matches!(scene.model, Model::Sliding(_));
+    let is_slider = scene.model.sliding().is_some();
     if matches!(scene.load, Load::Resistor { .. }) {
         let prepared = prepared::<f64, Polynomial, T>(setting, model)?;
         let simulation = prepared.simulation::<_, STATES>(ExponentialRadau);
@@ -385,30 +381,24 @@ impl<H: Harvester<f64>, T: Shooting<H>> Held for Sweep<'_, H, T> {
 
 /// Damping ratio of the slowest motion of a scene.
 pub fn damping_ratio(scene: &Scene) -> f64 {
-    match &scene.model {
-        Model::ContactSeparation(model) => model.parameters.damping_ratio,
-        Model::Sliding(model) => model.parameters.damping_ratio,
-        Model::BumpStop(model) => model.parameters.damping_ratio,
-    }
+    by_harvester!(scene,
+        triboelectric(model) => model.parameters.damping_ratio,
+        bump_stop(model) => model.parameters.damping_ratio)
 }
 
 /// Natural frequency in Hz of the slowest motion of a scene.
 pub fn natural_frequency_hz(scene: &Scene) -> Result<f64, Failure> {
     let of = |angular: f64| angular / std::f64::consts::TAU;
-    match &scene.model {
-        Model::ContactSeparation(model) => {
+    by_harvester!(scene,
+        triboelectric(model) => {
             let core = Triboelectric::core::<f64, Polynomial>(model, scene)?;
             Ok(of(core.angular_frequency().to_f64()))
-        }
-        Model::Sliding(model) => {
-            let core = Triboelectric::core::<f64, Polynomial>(model, scene)?;
-            Ok(of(core.angular_frequency().to_f64()))
-        }
-        Model::BumpStop(model) => {
+        },
+        bump_stop(model) => {
             let core = bump_stop::parameters::<f64>(model, Load::Resistor { resistance_ohm: f64::INFINITY })
                 .build_first::<20, 20>(model.parameters.beam_modes, 0)
                 .map_err(|error| refuse_parameter(scene, &error))?;
             Ok(of(core.beam_angular_frequency(0).unwrap_or(f64::NAN)))
         }
-    }
+    )
 }

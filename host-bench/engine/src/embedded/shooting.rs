@@ -23,7 +23,7 @@ use crate::steady_state::{
 };
 use harvester_scene::method::{Failure, Options};
 use harvester_scene::outcome::{Outcome, Particular, SteadyState};
-use harvester_scene::scene_file::{Excitation, Load, Model, RunSpan, Scene};
+use harvester_scene::scene_file::{Excitation, Load, RunSpan, Scene};
 
 /// One kind of scene, with the orbit that it has found last.
 trait Kind {
@@ -47,13 +47,12 @@ trait Kind {
 /// The kind of a scene.
 fn kind<'a, M: Mathematics<f64> + 'a>(scene: &'a Scene) -> Box<dyn Kind + 'a> {
     let resistive = matches!(scene.load, Load::Resistor { .. });
-    match &scene.model {
-        Model::ContactSeparation(model) if resistive => Box::new(Bare::<M, _>::new(model)),
-        Model::ContactSeparation(model) => Box::new(Bridged::<M, _>::new(model)),
-        Model::Sliding(model) if resistive => Box::new(Bare::<M, _>::new(model)),
-        Model::Sliding(model) => Box::new(Bridged::<M, _>::new(model)),
-        Model::BumpStop(model) => beam(scene, model),
-    }
+    by_harvester!(scene,
+        triboelectric(model) => match resistive {
+            true => Box::new(Bare::<M, _>::new(model)),
+            false => Box::new(Bridged::<M, _>::new(model)),
+        },
+        bump_stop(model) => beam(scene, model))
 }
 
 /// The steady state of a scene by shooting; the scene's own run where it has no stable orbit of one period.

@@ -23,7 +23,7 @@ use super::run::{BUDGET, refuse_start, step_control};
 use super::triboelectric::Triboelectric;
 use super::whole_day::Daily;
 use harvester_scene::method::{Failure, Options, Precision};
-use harvester_scene::scene_file::{HOURS, Model, Scene, Storage};
+use harvester_scene::scene_file::{HOURS, Scene, Storage};
 
 /// What a stretch of time did, in joules.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -89,11 +89,9 @@ impl Midnight<'_> {
     }
 
     fn with_precision<S: Scalar>(&self, with: With<'_>) -> Result<(), Failure> {
-        match &self.scene.model {
-            Model::ContactSeparation(model) => self.with_model::<S, _>(model, with),
-            Model::Sliding(model) => self.with_model::<S, _>(model, with),
-            Model::BumpStop(_) => Err(refuse_bump_stop(self.scene, "with --exact")),
-        }
+        by_harvester!(self.scene,
+            triboelectric(model) => self.with_model::<S, _>(model, with),
+            bump_stop(_) => Err(refuse_bump_stop(self.scene, "with --exact")))
     }
 
     fn with_model<S: Scalar, T: Triboelectric>(&self, model: &T, with: With<'_>) -> Result<(), Failure> {

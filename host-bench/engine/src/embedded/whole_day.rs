@@ -15,7 +15,7 @@ use super::run::{BUDGET, remainder};
 use super::triboelectric::{STATES, Triboelectric, created_energy, prepared};
 use harvester_scene::method::{Failure, Options, Precision};
 use harvester_scene::outcome::CreatedEnergy;
-use harvester_scene::scene_file::{HOURS, Load, Model, Scene};
+use harvester_scene::scene_file::{HOURS, Load, Scene};
 
 const DAY_S: u32 = 86_400;
 const HOUR_S: u32 = 3600;
@@ -57,11 +57,11 @@ fn whole_day_as<S: Scalar>(
     interval_s: u32,
     options: &Options,
 ) -> Result<WholeDay, Failure> {
-    with_setting::<S, S::Build, _>(scene, options, |setting| match &scene.model {
-        Model::ContactSeparation(model) => day(setting, model, hours, interval_s),
-        Model::Sliding(model) => day(setting, model, hours, interval_s),
-        // At 10⁵ steps a second a day would take hours.
-        Model::BumpStop(_) => Err(refuse_bump_stop(scene, "with --exact")),
+    with_setting::<S, S::Build, _>(scene, options, |setting| {
+        // At 10⁵ steps a second a day of bump-stop would take hours.
+        by_harvester!(scene,
+            triboelectric(model) => day(setting, model, hours, interval_s),
+            bump_stop(_) => Err(refuse_bump_stop(scene, "with --exact")))
     })
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use harvester_engine::embedded::sliding_parameters;
-use harvester_scene::scene_file::{self, Load, Model, Sliding, SlidingParameters};
+use harvester_scene::scene_file::{self, Load, Sliding, SlidingParameters};
 
 /// A micromachined beam takes the least of each size, a bridge of steel the most, and single precision holds the
 /// coefficients of both.
@@ -11,7 +11,7 @@ use harvester_scene::scene_file::{self, Load, Model, Sliding, SlidingParameters}
 fn the_smallest_and_the_largest_sliding_harvester_can_be_built_in_single_precision() {
     let shipped = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/sliding.toml"));
     let scene = scene_file::read(shipped, &[]).expect("the shipped scene");
-    let Model::Sliding(shipped) = scene.model else { panic!("a sliding scene") };
+    let shipped = scene.model.sliding().expect("a sliding scene");
     let load = Load::Resistor { resistance_ohm: 1e8 };
     // Length, width, thickness, Young's modulus, density, slider, radius, dielectric, permittivity, charge.
     for sizes in [

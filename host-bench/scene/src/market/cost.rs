@@ -70,7 +70,7 @@ impl Processor {
     }
 
     /// Energy of a wake-up in J: the processor draws the current of running code for the time of a wake-up.
-    pub fn wake_up_energy(&self) -> f64 {
+    pub(crate) fn wake_up_energy(&self) -> f64 {
         self.energy_per_cycle_j.0 * self.clock_hz.0 * self.wake_up_s.0
     }
 

@@ -11,8 +11,7 @@ use model_core::part::storage::{DcBus, StorageCapacitor};
 
 use super::bounds::{CoreTable, Short};
 use super::document::SceneError;
-use super::key::{Key, Kind, Table, Value, core, number, other};
-use super::preset::{self, PRESET};
+use super::key::{Default, Key, Kind, Table, Value, core, number, other};
 use super::scene::{Draw, Load, Lockout, RectifiedStore};
 use super::section::{Reader, Section};
 use crate::market::Preset;
@@ -124,6 +123,18 @@ const TURN_OFF: Key =
         .limit("below `turn_on_v`")
         .or_said(OF_PART);
 
+pub(super) const PRESET: Key = other(
+    "preset",
+    Value::Part(Preset::words),
+    "Name of a commercial part that supplies the missing keys of the table",
+)
+.or(Default::Said("none"));
+
+/// The part that the table names, if it names one.
+pub(super) fn preset(section: &mut Section<'_>) -> Result<Option<Preset>, SceneError> {
+    section.has("preset").then(|| section.part("preset", Preset::words, Preset::named)).transpose()
+}
+
 /// A part that a table may name.
 type Part = Option<Preset>;
 type DrawReader = fn(&mut Section<'_>, Part) -> Result<Draw, SceneError>;
@@ -142,7 +153,7 @@ fn resistor(section: &mut Section<'_>) -> Result<(Load, Part), SceneError> {
 }
 
 fn rectified_store(section: &mut Section<'_>) -> Result<(Load, Part), SceneError> {
-    let part = preset::preset(section)?;
+    let part = preset(section)?;
     let store = RectifiedStore {
         capacitance_f: section.number("capacitance_f")?,
         diode_drop_v: section.number_or("diode_drop_v", part.map(|part| part.diode_drop_v))?,
@@ -157,7 +168,7 @@ fn rectified_store(section: &mut Section<'_>) -> Result<(Load, Part), SceneError
 }
 
 fn dc_bus(section: &mut Section<'_>) -> Result<(Load, Part), SceneError> {
-    let part = preset::preset(section)?;
+    let part = preset(section)?;
     let voltage_v = section.number("voltage_v")?;
     // A charger holds its input at a voltage from which it starts.
     if let Some(part) = part

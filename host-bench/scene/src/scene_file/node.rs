@@ -8,7 +8,7 @@ use self::parts::Parts;
 use super::bounds::{CoreTable, between};
 use super::document::SceneError;
 use super::key::{Table, Value, core, number, other, whole};
-use super::preset::{self, PRESET};
+use super::load::{PRESET, preset};
 use super::scene::{Action, Draw, HOURS, Knowing, Load, Node, Storage};
 use super::section::Section;
 use crate::market::{Battery, Preset};
@@ -192,7 +192,7 @@ fn storage(
     if let Some(store) = of_load {
         one_storage(&mut table, store.draw)?;
     }
-    let own = preset::preset(&mut table)?;
+    let own = preset(&mut table)?;
     let named = table.has("battery").then(|| table.part("battery", Battery::words, Battery::named));
     let battery = named.transpose()?;
     let part = own.or(part_of_load);

@@ -108,6 +108,20 @@ pub enum StickCharge {
     Relaxing,
 }
 
+impl Model {
+    /// The sliding harvester, for what is about that one only.
+    #[must_use]
+    pub fn sliding(&self) -> Option<&Sliding> {
+        if let Self::Sliding(model) = self { Some(model) } else { None }
+    }
+
+    /// The bump-stop harvester, for what is about that one only.
+    #[must_use]
+    pub fn bump_stop(&self) -> Option<&BumpStop> {
+        if let Self::BumpStop(model) = self { Some(model) } else { None }
+    }
+}
+
 /// What is connected to the harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {

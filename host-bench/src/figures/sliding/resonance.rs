@@ -34,12 +34,8 @@ pub(crate) struct Peak {
 
 /// The sliding harvester of a scene.
 pub(crate) fn sliding(base: &Scene) -> Result<&Sliding, Failure> {
-    match &base.model {
-        Model::Sliding(model) => Ok(model),
-        Model::ContactSeparation(_) | Model::BumpStop(_) => {
-            Err(Failure::of_file(base, format!("scene = {:?}: must be \"sliding\" here", base.name())))
-        }
-    }
+    let refused = || format!("scene = {:?}: must be \"sliding\" here", base.name());
+    base.model.sliding().ok_or_else(|| Failure::of_file(base, refused()))
 }
 
 impl Case {

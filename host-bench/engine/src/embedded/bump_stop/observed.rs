@@ -10,16 +10,12 @@ use model_core::scene::bump_stop::{AnyChoices, Circuit, Stepper};
 use super::super::excitation::with_setting;
 use super::{Report, bridge, parameters, prepared, refuse_start, refuse_step, resistance};
 use harvester_scene::method::{Failure, Options};
-use harvester_scene::scene_file::{BumpStop, Model, Scene};
+use harvester_scene::scene_file::{BumpStop, Scene};
 
 /// The harvester of a bump-stop scene.
 pub(super) fn model_of(scene: &Scene) -> Result<&BumpStop, Failure> {
-    match &scene.model {
-        Model::BumpStop(model) => Ok(model),
-        Model::ContactSeparation(_) | Model::Sliding(_) => {
-            Err(Failure::of_file(scene, format!("scene = {:?}: must be \"bump-stop\" here", scene.name())))
-        }
-    }
+    let refused = || format!("scene = {:?}: must be \"bump-stop\" here", scene.name());
+    scene.model.bump_stop().ok_or_else(|| Failure::of_file(scene, refused()))
 }
 
 /// Runs the scene from its start until `until` in s, or until the observer has `enough`.

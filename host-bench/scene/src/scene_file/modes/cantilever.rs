@@ -19,7 +19,7 @@
 
 use std::f64::consts::TAU;
 
-use super::quadrature::means;
+use super::means;
 use crate::root::far_side;
 use crate::scene_file::SlidingParameters;
 

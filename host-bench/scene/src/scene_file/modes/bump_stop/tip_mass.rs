@@ -11,7 +11,7 @@
 use std::convert::Infallible;
 
 use super::super::cantilever::series;
-use super::super::quadrature::means;
+use super::super::means;
 use super::{BeamMode, Section, eigenvalue as eigenvalue_of_a_free_end};
 use crate::root::far_side;
 use crate::scene_file::TipMassParameters;
