@@ -45,7 +45,7 @@ pub struct Line<S> {
 
 impl<S: Scalar> Line<S> {
     /// Of an acceleration that is linear over the step.
-    #[inline(always)]
+    #[inline]
     fn between(start: S, end: S) -> Self {
         let half = S::from_f64(0.5);
         Self { mean: half * (start + end), tilt: half * (end - start), end }

@@ -39,13 +39,13 @@ pub struct Guard<S> {
 
 impl<S: Scalar> Guard<S> {
     /// Whether the event is due: the guard is below zero, or at zero and falling.
-    #[inline(always)]
+    #[inline]
     fn is_due(&self) -> bool {
         self.value < S::ZERO || self.value == S::ZERO && self.rate < S::ZERO
     }
 
     /// The interpolant of the guard over a step of `step` seconds from here to `end`.
-    #[inline(always)]
+    #[inline]
     fn until(&self, end: &Self, step: S) -> Cubic<S> {
         Cubic::new(self.value, self.rate, end.value, end.rate, step)
     }
@@ -83,7 +83,7 @@ impl<'a, E> InputAt<'a, E> {
     }
 
     /// Base acceleration in m/s².
-    #[inline(always)]
+    #[inline]
     pub fn acceleration<S: Scalar>(&self) -> S
     where
         E: Excitation<S>,
@@ -92,7 +92,7 @@ impl<'a, E> InputAt<'a, E> {
     }
 
     /// Time derivative of the base acceleration in m/s³.
-    #[inline(always)]
+    #[inline]
     pub fn jerk<S: Scalar>(&self) -> S
     where
         E: Excitation<S>,

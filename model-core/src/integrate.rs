@@ -55,7 +55,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     ///
     /// Override this if a rate at the state alone is a small difference of large terms: it can follow from the
     /// derivative at the start. Set [`System::CARRIED`] then.
-    #[inline(always)]
+    #[inline]
     fn flow_from(&self, start: &Point<S, N, P>, change: &[S; N], input: S) -> [S; N] {
         self.flow(&core::array::from_fn(|i| start.state[i] + change[i]), input)
     }
@@ -69,7 +69,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     ///
     /// Override this and [`System::condense`] if some equations have a closed form given the others: Newton
     /// then iterates on the others only.
-    #[inline(always)]
+    #[inline]
     fn iterate(
         &self,
         factor: &Self::Factor,
@@ -89,7 +89,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     ///
     /// Called once after the last iteration. The rate of a stiff equation is a small difference of large terms.
     /// Its entry must agree with the other entries to rounding.
-    #[inline(always)]
+    #[inline]
     fn condense(&self, _base: Base<'_, S, N, P>, _increment: &mut [S; N], _weight: S) {}
 
     /// The powers in watts at a state and its derivative.
@@ -100,7 +100,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
 
     /// Overwrites energies in joules that are known exactly from the states at the start and the end of a
     /// step. For example, a transferred charge may be a difference of two states.
-    #[inline(always)]
+    #[inline]
     fn correct_energies(&self, _start: &[S; N], _end: &[S; N], _energies: &mut [S; P]) {}
 
     /// Error in joules of the integral of `powers[0]` over a step of `step` seconds to `state` that the
@@ -108,7 +108,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     ///
     /// Where a stiff equation determines a state, the rate of that state is a difference of roundings divided
     /// by the step.
-    #[inline(always)]
+    #[inline]
     fn rounding_energy(&self, _state: &[S; N], _derivative: &[S; N], _step: S) -> S {
         S::ZERO
     }
@@ -123,13 +123,13 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     const CIRCUIT: usize = 2;
 
     /// The linear part of the motion; `None` while the position is fixed.
-    #[inline(always)]
+    #[inline]
     fn oscillator(&self) -> Option<Oscillator<S>> {
         None
     }
 
     /// The time derivative along the flow of the force per mass besides the linear part, in m/s³.
-    #[inline(always)]
+    #[inline]
     fn force_rate(&self, _state: &[S; N], _derivative: &[S; N]) -> S {
         S::ZERO
     }
@@ -146,7 +146,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
 
     /// What the drive of the circuit equation at a displacement lacks at a change of the circuit's state: the equation is
     /// linearised about no change.
-    #[inline(always)]
+    #[inline]
     fn circuit_defect(&self, _start: &Point<S, N, P>, _displacement: S, _change: S) -> S {
         S::ZERO
     }
@@ -154,27 +154,27 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// The time scale of the circuit at the end of a step over that at its start, above 0.
     ///
     /// The step control changes the length of the next step with it.
-    #[inline(always)]
+    #[inline]
     fn time_scale_ratio(&self, _start: &[S; N], _end: &[S; N]) -> S {
         S::ONE
     }
 
     /// The boundary layer of the circuit at `state`, as after a jump; `None` if the circuit has no time constant.
-    #[inline(always)]
+    #[inline]
     fn boundary_layer(&self, _state: &[S; N]) -> Option<BoundaryLayer<S>> {
         None
     }
 
     /// The integral of each power that is quadratic in the rate of the circuit, for an integral `square` of the squared
     /// rate.
-    #[inline(always)]
+    #[inline]
     fn quadratic_energies(&self, _square: S) -> [S; P] {
         [S::ZERO; P]
     }
 
     /// The integral of each power that is linear in the rate of the circuit or its magnitude, for a `change` of the
     /// circuit's state. That of a magnitude is an upper bound where the rate opposes the one that follows the motion.
-    #[inline(always)]
+    #[inline]
     fn linear_energies(&self, _change: S) -> [S; P] {
         [S::ZERO; P]
     }

@@ -112,7 +112,7 @@ impl<S: Scalar> Kernel<S> {
 
     /// The response to the acceleration `start + slope · τ`, in m/s² and m/s³.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn to_line(&self, start: S, slope: S) -> Response<S> {
         let Self { step, impulse, ramps: [zeroth, first, ..], .. } = *self;
         let rise = step * slope;
@@ -126,7 +126,7 @@ impl<S: Scalar> Kernel<S> {
 
     /// The response to the parabola through the accelerations at the start, the middle and the end, in m/s².
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn to_parabola(&self, [start, middle, end]: [S; 3]) -> Response<S> {
         let Self { step, impulse, ramps: [zeroth, first, second, _], .. } = *self;
         let (rise, bow) = (end - start, middle - start);

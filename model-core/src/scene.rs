@@ -241,7 +241,7 @@ macro_rules! parts {
         impl<$scalar: Scalar, $($parameter: $bound),+> Parts<$scalar> for Choices<$($parameter),+> {
             $(type $name = $parameter;)+
 
-            #[inline(always)]
+            #[inline]
             fn choices(&self) -> &Self {
                 self
             }

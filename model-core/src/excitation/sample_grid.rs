@@ -84,7 +84,7 @@ impl<S: Scalar> SampleGrid<S> {
     }
 
     /// The index of the last sample at or before `at`, and the part of the interval since, 0 to 1.
-    #[inline(always)]
+    #[inline]
     pub(super) fn place(&self, at: Instant) -> (u64, S) {
         let Cycles { whole, fraction } = self.rate.cycles(at);
         // `from_fraction` divides by 2⁶³.
@@ -92,7 +92,7 @@ impl<S: Scalar> SampleGrid<S> {
     }
 
     /// The index of the last sample at or before `at`.
-    #[inline(always)]
+    #[inline]
     pub(super) fn sample_before(&self, at: Instant) -> u64 {
         self.rate.cycles(at).whole
     }

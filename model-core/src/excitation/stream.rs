@@ -165,7 +165,7 @@ impl<S: Scalar> Stream<S> {
     }
 
     /// Replaces the last sample but one, to which the acceleration is known, in m/s².
-    #[inline(always)]
+    #[inline]
     pub(crate) fn replace_last_but_one(&mut self, sample: S) {
         let [_, middle, _] = &mut self.samples;
         *middle = sample;
@@ -226,7 +226,7 @@ impl<S: Scalar> Stream<S> {
     }
 
     /// The samples on either side of `at`, and the position of `at` between them, 0 to 1.
-    #[inline(always)]
+    #[inline]
     fn bracket(&self, at: Instant) -> (S, S, S) {
         let (whole, theta) = self.grid.place(at);
         let [first, middle, last] = self.samples;
@@ -241,7 +241,7 @@ impl<S: Scalar> Stream<S> {
 }
 
 impl<S: Scalar> Excitation<S> for Stream<S> {
-    #[inline(always)]
+    #[inline]
     fn acceleration(&self, at: Instant) -> S {
         let (left, right, theta) = self.bracket(at);
         left + theta * (right - left)
@@ -256,7 +256,7 @@ impl<S: Scalar> Excitation<S> for Stream<S> {
         self.grid.ticks_to_next(at)
     }
 
-    #[inline(always)]
+    #[inline]
     fn response(&self, at: Instant, _ticks: u32, kernel: &Kernel<S>) -> Response<S> {
         let (left, right, theta) = self.bracket(at);
         let rise = right - left;

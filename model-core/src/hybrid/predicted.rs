@@ -75,7 +75,7 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     }
 
     /// Whether the search for an event along the predicted motion needs a prediction of [`Search::ticks`].
-    #[inline(always)]
+    #[inline]
     fn continues(&self, search: &mut Search<S>, prediction: &M::Prediction) -> bool {
         let end = self.predicted_end(search.ticks, prediction);
         match search.event {
@@ -98,7 +98,7 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     /// Whether the step is stretched to a guard that falls soon after its end.
     ///
     /// A step that ended just before an event would be followed by a short one.
-    #[inline(always)]
+    #[inline]
     fn stretches(&self, search: &mut Search<S>, end: &Point<S, N, P>) -> bool {
         if search.ticks >= search.most {
             return false;

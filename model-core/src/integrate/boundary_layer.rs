@@ -33,7 +33,7 @@ impl<S: Scalar> BoundaryLayer<S> {
     ///
     /// A step `h` much longer than the layer starts with the rate beyond the layer. The weight of `following` is of third
     /// order in `h · relaxation / 10`, so that both limits are exact.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn settled(&self, before: S, step: S) -> S {
         let thickness = S::from_f64(0.1) * step * self.relaxation;
         let weight = thickness * thickness * thickness;

@@ -23,7 +23,7 @@ const ROOT_ITERATIONS: usize = 40;
 impl<S: Scalar> Cubic<S> {
     /// The cubic of the values and the time derivatives at both ends of a step of `step` seconds.
     #[must_use]
-    #[inline(always)]
+    #[inline]
     pub fn new(start: S, start_rate: S, end: S, end_rate: S, step: S) -> Self {
         Self { start, start_slope: start_rate * step, end, end_slope: end_rate * step }
     }
@@ -128,7 +128,7 @@ impl<S: Scalar> Cubic<S> {
     /// zero, or at zero without rising.
     ///
     /// `None`, the common case, costs four multiplications: a cubic with positive Bernstein coefficients has no zero.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn first_fall(&self) -> Option<S> {
         let [one, two] = self.inner_hull();
         if self.start >= S::ZERO && one > S::ZERO && two > S::ZERO && self.end > S::ZERO {

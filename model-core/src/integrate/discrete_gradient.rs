@@ -58,13 +58,13 @@ impl<S: Scalar> Flexibility<S> {
     }
 
     /// Fall of the coordinate at the end under a force, `[mean, tilt]`.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn fall(&self, [mean, tilt]: [S; 2]) -> S {
         self.constant * mean + self.tilted * tilt
     }
 
     /// Fall of the first moment of the coordinate's rate under a force, `[mean, tilt]`.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn fall_of_moment(&self, [mean, tilt]: [S; 2]) -> S {
         self.moment * tilt - self.tilted * mean
     }
@@ -104,7 +104,7 @@ pub(crate) fn contact_step<S: Scalar>(
 }
 
 /// Closed at both ends, if the gap that it gives is above zero: two linear equations.
-#[inline(always)]
+#[inline]
 fn closed<S: Scalar>(approach: &Approach<S>, flexibility: &Flexibility<S>, stiffness: S) -> ContactStep<S> {
     let half = S::from_f64(0.5);
     let motion = approach.predicted - approach.gap;
@@ -133,7 +133,7 @@ struct Ramp<S> {
 }
 
 impl<S: Scalar> Ramp<S> {
-    #[inline(always)]
+    #[inline]
     fn new(approach: &Approach<S>, flexibility: &Flexibility<S>, ratio: S) -> Self {
         Self {
             lever: flexibility.constant + flexibility.tilted * ratio,
@@ -145,7 +145,7 @@ impl<S: Scalar> Ramp<S> {
 
 /// From open to closed with `T = ratio · F`. With `h = a + b ratio` and `e = a + d ratio²`, the gap is `u = g* − h F`,
 /// and `k u²/2 = F (g* − g + ratio m* − e F)`: the smaller root.
-#[inline(always)]
+#[inline]
 fn touch_down_ramp<S: Scalar>(
     approach: &Approach<S>,
     flexibility: &Flexibility<S>,
@@ -166,7 +166,7 @@ fn touch_down_ramp<S: Scalar>(
 }
 
 /// From closed to open with `T = ratio · F`: `e F² − (g* − g + ratio m*) F − k g²/2 = 0`, the positive root.
-#[inline(always)]
+#[inline]
 fn lift_off_ramp<S: Scalar>(
     approach: &Approach<S>,
     flexibility: &Flexibility<S>,

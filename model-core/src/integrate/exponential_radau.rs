@@ -57,7 +57,7 @@ struct Change<S> {
 impl<S: Scalar> Change<S> {
     const NONE: Self = Self { displacement: S::ZERO, velocity: S::ZERO };
 
-    #[inline(always)]
+    #[inline]
     fn and(self, other: Self) -> Self {
         Self {
             displacement: self.displacement + other.displacement,
@@ -169,7 +169,7 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
 
     type Prediction = Prediction<S>;
 
-    #[inline(always)]
+    #[inline]
     fn longest_step<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,
         system: &Y,

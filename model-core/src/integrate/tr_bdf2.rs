@@ -65,7 +65,7 @@ struct Stage<'a, S, Y, F, const N: usize, const P: usize> {
 impl<S: Scalar, Y, F, const N: usize, const P: usize> Stage<'_, S, Y, F, N, P> {
     /// Solves the stage from the guess `z` to `accuracy`, with the error norm at the start. Returns `z` and the number
     /// of iterations.
-    #[inline(always)]
+    #[inline]
     fn solve(&self, mut z: [S; N], accuracy: S) -> Result<([S; N], u32), NotConverged>
     where
         Y: System<S, N, P, Factor = F>,
@@ -92,7 +92,7 @@ impl<S: Scalar, Y, F, const N: usize, const P: usize> Stage<'_, S, Y, F, N, P> {
 
 /// The input at the intermediate stage: in a short step between two ticks, because a motion that starts from rest resolves
 /// less than a tick of its excitation.
-#[inline(always)]
+#[inline]
 fn middle_input<S: Scalar>(input: &impl Input<S>, ticks: u32) -> S {
     let position = u64::from(ticks) * GAMMA_Q32;
     let before = (position >> 32) as u32;
@@ -110,7 +110,7 @@ impl<S: Scalar> Method<S> for TrBdf2 {
 
     type Prediction = ();
 
-    #[inline(always)]
+    #[inline]
     fn attempt<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,
         system: &Y,

@@ -139,7 +139,7 @@ impl<S: Scalar> Cantilever<S> {
 
     /// Static compliance in m/N of the modes after `last`, with `λ = (i − ½)π` and `φ²` of `weight/m_b`: `Σ (i − ½)⁻⁴`
     /// by the Euler–Maclaurin formula at the midpoints.
-    #[inline(always)]
+    #[inline]
     fn remaining_compliance(&self, last: u32, weight: S) -> S {
         let n = S::from_u32(last);
         let cube = n * n * n;

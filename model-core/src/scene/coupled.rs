@@ -49,7 +49,7 @@ pub struct ModeFactor<S> {
 
 impl<S: Scalar> ModeFactor<S> {
     /// The factor for a moving position; `None` if the matrix is singular.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn moving(weight: S, derivatives: &Derivatives<S>) -> Option<Self> {
         let charge_by_charge = S::ONE - weight * derivatives.current_by_charge;
         let charge_by_position = weight * derivatives.current_by_position;
@@ -71,7 +71,7 @@ impl<S: Scalar> ModeFactor<S> {
     }
 
     /// The factor for a fixed position and velocity.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn held(weight: S, current_by_charge: S) -> Self {
         let charge_by_charge = S::ONE - weight * current_by_charge;
         let inverse = [[S::ONE, S::ZERO], [S::ZERO, S::ONE / charge_by_charge]];
@@ -79,7 +79,7 @@ impl<S: Scalar> ModeFactor<S> {
     }
 
     /// Solves `(I − w J) x = right`.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn solve(&self, [position, velocity, charge]: [S; STATES]) -> [S; STATES] {
         let velocity = velocity + self.by_position[0] * position;
         let charge = charge + self.by_position[1] * position;
@@ -89,7 +89,7 @@ impl<S: Scalar> ModeFactor<S> {
     }
 
     /// The correction of an increment for the residual `residual` of the velocity row, with the other rows solved.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn correction(&self, residual: S) -> [S; STATES] {
         let correction = self.inverse[0][0] * residual;
         [self.position_by_velocity * correction, correction, self.inverse[1][0] * correction]
@@ -105,7 +105,7 @@ macro_rules! flow_items {
     () => {
         type Factor = ModeFactor<S>;
 
-        #[inline(always)]
+        #[inline]
         fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
             let derivatives = self.derivatives(state);
             if self.is_stick() {
@@ -114,12 +114,12 @@ macro_rules! flow_items {
             ModeFactor::moving(weight, &derivatives)
         }
 
-        #[inline(always)]
+        #[inline]
         fn solve(&self, factor: &ModeFactor<S>, right: [S; STATES]) -> [S; STATES] {
             factor.solve(right)
         }
 
-        #[inline(always)]
+        #[inline]
         fn iterate(
             &self,
             factor: &ModeFactor<S>,
@@ -141,7 +141,7 @@ macro_rules! flow_items {
         const CARRIED: bool = true;
 
         /// The charge by its equation relative to the start of the step.
-        #[inline(always)]
+        #[inline]
         fn condense(&self, base: Base<'_, S, STATES, POWERS>, increment: &mut [S; STATES], weight: S) {
             let Base { start, carried } = base;
             if !self.is_stick() {
@@ -175,7 +175,7 @@ macro_rules! flow_items {
             ))
         }
 
-        #[inline(always)]
+        #[inline]
         fn powers(&self, state: &[S; STATES], rate: &[S; STATES], acceleration: S) -> [S; POWERS] {
             first_powers(&self.all_powers(state, rate, acceleration))
         }
@@ -185,7 +185,7 @@ pub(crate) use flow_items;
 
 /// The norm of a change of state: motion relative to the present amplitude, at least `least`; charge relative to
 /// `1/per_charge`.
-#[inline(always)]
+#[inline]
 pub(crate) fn error_norm<S: Scalar>(
     [deflection, velocity]: [S; 2],
     change: &[S; STATES],

@@ -124,7 +124,7 @@ where
         self.scene.outputs(state.mode, &state.point)
     }
 
-    #[inline(always)]
+    #[inline]
     fn velocity(&self, state: &Self::State) -> S {
         state.point.state.get(A::VELOCITY).copied().unwrap_or(S::ZERO)
     }

@@ -76,7 +76,7 @@ impl<S: Scalar> Observer<S> for EnergyAccumulator<S> {
     const READS_OUTPUTS: bool = false;
 
     // A Cortex-M0 build would outline this function and then store a complete `AcceptedStep` in memory.
-    #[inline(always)]
+    #[inline]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
         self.add(step.energy(PowerIndex::Load), step.ticks);
         // A method without an estimate compiles none of this.
@@ -119,7 +119,7 @@ impl ElapsedTime {
     /// Half a year. Two such numbers and any sampling interval add up to less than 2⁶⁴.
     const MOST_TICKS: u64 = 1 << 62;
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn add(&mut self, ticks: u32) {
         self.ticks += u64::from(ticks);
         if self.ticks >= Self::MOST_TICKS {

@@ -73,13 +73,13 @@ impl<S: Scalar> Droop<S> {
     }
 
     /// Samples in a resonance period, at least 1.
-    #[inline(always)]
+    #[inline]
     pub(super) fn samples_per_period(&self) -> u32 {
         self.samples
     }
 
     /// The corrected sample, from the samples before and after it.
-    #[inline(always)]
+    #[inline]
     pub(super) fn compensate(&self, sample: S, bend: S) -> S {
         sample - self.coefficient * bend
     }

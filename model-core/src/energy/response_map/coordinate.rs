@@ -94,7 +94,7 @@ pub fn level(number: f32) -> Option<i32> {
 const LEAST: u32 = (127 - AMPLITUDE_OCTAVES.cast_unsigned()) << 23;
 
 /// The level of a finite number of at least 2⁻¹⁶, by its bits.
-#[inline(always)]
+#[inline]
 pub(super) const fn level_of_bits(bits: u32) -> i32 {
     let chord = LOGARITHM_CHORDS[(bits >> 19 & 15) as usize];
     let slope = chord as i8 as i32;
@@ -114,7 +114,7 @@ pub(super) const RAISED: i32 = 127 << LEVEL_BITS;
 
 /// The bits of the number of a level that is raised by [`RAISED`] and then from 1 octave to below 255: sixteen significant
 /// bits, the others are 0.
-#[inline(always)]
+#[inline]
 pub(super) fn bits_of_raised(level: i32) -> u32 {
     let chord = EXPONENTIAL_CHORDS.get((level >> 7 & 15) as usize).copied().unwrap_or(0).cast_signed();
     let fraction = (chord >> 16) + ((i32::from(chord as i16) * (level & 127)) >> 7);
@@ -139,7 +139,7 @@ pub const fn fixed(frequency: f32, shift: i32) -> Option<u32> {
 }
 
 /// A normal number in units, by its bits: its mantissa at the upper end of a word, moved `right` by up to 31.
-#[inline(always)]
+#[inline]
 pub(super) const fn fixed_of_bits(bits: u32, right: u32) -> u32 {
     (bits << 8 | 1 << 31).wrapping_shr(right)
 }
@@ -218,7 +218,7 @@ pub(super) struct FoldedSpacing {
 
 impl FoldedSpacing {
     /// As [`row`], with the number of the first row added.
-    #[inline(always)]
+    #[inline]
     pub(super) fn row(self, distance: u32) -> (u32, u32) {
         let beside = distance.wrapping_add(self.first);
         let zeros = beside.leading_zeros();

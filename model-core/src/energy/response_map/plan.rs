@@ -15,19 +15,19 @@ pub(super) struct Place(u32);
 
 impl Place {
     /// The column to the left.
-    #[inline(always)]
+    #[inline]
     pub(super) fn column(self) -> usize {
         (self.0 >> (32 - COLUMN_BITS)) as usize
     }
 
     /// The part of the columns that has bounds of its own.
-    #[inline(always)]
+    #[inline]
     pub(super) fn part(self) -> usize {
         (self.0 >> 29) as usize
     }
 
     /// The place to the right of the column, in 2⁻¹⁰ of the distance.
-    #[inline(always)]
+    #[inline]
     fn right(self) -> i32 {
         (self.0 >> (22 - COLUMN_BITS) & 1023).cast_signed()
     }
@@ -48,7 +48,7 @@ impl Edges {
         if beyond > least { Some(Self { least, span: beyond - least - 1 }) } else { None }
     }
 
-    #[inline(always)]
+    #[inline]
     const fn contain(self, bits: u32) -> bool {
         bits.wrapping_sub(self.least) <= self.span
     }
@@ -163,7 +163,7 @@ impl Plan {
     }
 
     /// Whether the map reaches over a frequency, by its bits.
-    #[inline(always)]
+    #[inline]
     pub(super) const fn has_frequency(&self, bits: u32) -> bool {
         self.frequencies.contain(bits)
     }
@@ -187,7 +187,7 @@ impl Plan {
     }
 
     /// Level of the amplitude and place of the frequency, by the bits of both; `None` outside the map.
-    #[inline(always)]
+    #[inline]
     pub(super) fn place(&self, amplitude: u32, frequency: u32) -> Option<(i32, Place)> {
         if !self.amplitudes.contain(amplitude) || !self.frequencies.contain(frequency) {
             return None;
@@ -249,27 +249,27 @@ impl Plan {
 }
 
 /// The levels of the rising and the falling boundary.
-#[inline(always)]
+#[inline]
 pub(super) fn boundaries<T: Word>([left, right]: [&[T; COLUMN_WORDS]; 2], place: Place) -> [i32; 2] {
     let ([rising, falling, ..], [next_rising, next_falling, ..]) = (left, right);
     let across = |left: &T, right: &T| between(number(left), number(right), place.right());
     [across(rising, next_rising), across(falling, next_falling)]
 }
 
-#[inline(always)]
+#[inline]
 fn number<T: Word>(word: &T) -> i32 {
     i32::from(word.number())
 }
 
 /// A part of the way in 2⁻¹⁰ from one number to another, rounded down.
-#[inline(always)]
+#[inline]
 fn between(from: i32, to: i32, part: i32) -> i32 {
     from + (((to - from) * part) >> 10)
 }
 
 /// The product of a value of at most sixteen significant bits and the factor of a bound, of at most eight and 0 or from 1/4 to 4: exact, so that
 /// integers yield the same bits, on a core without floating point in a fifth of the instructions.
-#[inline(always)]
+#[inline]
 pub(super) fn product<T: Word>(value: f32, factor: T) -> f32 {
     let factor = factor.number();
     if cfg!(all(target_arch = "arm", not(target_abi = "eabihf"))) {
@@ -280,7 +280,7 @@ pub(super) fn product<T: Word>(value: f32, factor: T) -> f32 {
 }
 
 /// As [`product`].
-#[inline(always)]
+#[inline]
 fn product_in_integers(value: f32, factor: u16) -> f32 {
     if factor == 0 {
         return 0.0;

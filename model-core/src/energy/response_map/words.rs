@@ -13,7 +13,7 @@ pub trait Word: Copy + fmt::Debug + Eq {
 }
 
 impl Word for u16 {
-    #[inline(always)]
+    #[inline]
     fn number(self) -> u16 {
         self
     }
@@ -21,7 +21,7 @@ impl Word for u16 {
 
 /// Two bytes, the lower one first.
 impl Word for [u8; 2] {
-    #[inline(always)]
+    #[inline]
     fn number(self) -> u16 {
         u16::from_le_bytes(self)
     }

@@ -224,7 +224,7 @@ impl<S: Scalar> Stages<S> {
     ///
     /// It is a part of the correction by the bend of the force, or what a further pass would change: more where the force
     /// depends strongly on the motion, as near pull-in. The slope of the force may be predicted roughly.
-    #[inline(always)]
+    #[inline]
     pub(super) fn doubt<const N: usize>(&self, doubt: &mut [S; N], bend: &Change<S>, end_force: S, step: S) {
         let part = S::from_f64(MOTION_ERROR_PART);
         let change = step * (end_force - self.forces[2]).abs();
@@ -235,7 +235,7 @@ impl<S: Scalar> Stages<S> {
 }
 
 /// `Σ_j weights_j increments_j`.
-#[inline(always)]
+#[inline]
 pub(super) fn weighted<S: Scalar>(weights: &[f64; 3], increments: &[S; 3]) -> S {
     let [a, b, c] = weights.map(S::from_f64);
     let [first, second, third] = *increments;

@@ -166,7 +166,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> C
         &state.checks
     }
 
-    #[inline(always)]
+    #[inline]
     fn state_of(&self, run: StateOf<S, P, B, R>) -> CheckedStateOf<S, P, B, R> {
         CheckedState {
             run,
@@ -221,7 +221,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> C
     }
 
     /// Whether there are checks: not with rigid impacts, at slightly other instants in finer steps.
-    #[inline(always)]
+    #[inline]
     fn is_checkable(&self) -> bool {
         !matches!(self.stepper.scene().contact.kind(), ContactKind::Impulsive { .. })
     }

@@ -28,7 +28,7 @@ pub(crate) trait Coupling: Copy + Debug + PartialEq {
 pub struct TwoWay;
 
 impl Coupling for TwoWay {
-    #[inline(always)]
+    #[inline]
     fn is_two_way(&self) -> bool {
         true
     }
@@ -40,7 +40,7 @@ impl Coupling for TwoWay {
 pub struct OneWay;
 
 impl Coupling for OneWay {
-    #[inline(always)]
+    #[inline]
     fn is_two_way(&self) -> bool {
         false
     }
@@ -57,7 +57,7 @@ pub enum AnyCoupling {
 }
 
 impl Coupling for AnyCoupling {
-    #[inline(always)]
+    #[inline]
     fn is_two_way(&self) -> bool {
         *self == Self::TwoWay
     }

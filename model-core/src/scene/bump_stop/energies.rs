@@ -182,7 +182,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 
     /// The contact within a step.
-    #[inline(always)]
+    #[inline]
     pub(super) fn contact_within(
         &self,
         [start, end]: [&StateOf<S, P, B, R>; 2],

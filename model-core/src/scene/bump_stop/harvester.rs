@@ -16,7 +16,7 @@ use crate::snapshot::Fingerprint;
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R> {
     /// Outputs at `state`; the current is unknown there and set to zero.
-    #[inline(always)]
+    #[inline]
     pub(super) fn outputs<'a>(&self, state: &'a StateOf<S, P, B, R>) -> Outputs<'a, S> {
         let motion = |[value, rate]: [S; 2]| Motion { value, rate };
         let mut outputs = Outputs::of_state(state.beam.as_flattened());

@@ -38,7 +38,7 @@ pub(super) struct Flight<S, const B: usize, const R: usize> {
 }
 
 impl<S: Scalar, const B: usize, const R: usize> Flight<S, B, R> {
-    #[inline(always)]
+    #[inline]
     pub(super) fn of<P: Parts<S>, C>(scene: &BumpStop<S, P, B, R>, state: &State<S, B, R, C>) -> Self {
         let mut flight = Self { rate: S::ZERO, beam: [S::ZERO; B], rod: [S::ZERO; R] };
         if !ContactOf::<S, P>::POSSIBLE {
@@ -89,7 +89,7 @@ impl<S: Scalar, const B: usize, const R: usize> Reach<S, B, R> {
     }
 
     /// The part in m of the free motion.
-    #[inline(always)]
+    #[inline]
     pub(super) fn of_modes(&self, flight: &Flight<S, B, R>) -> S {
         let mut reach = S::ZERO;
         for (by_norm, norm) in self.beam.iter().zip(&flight.beam) {
@@ -103,7 +103,7 @@ impl<S: Scalar, const B: usize, const R: usize> Reach<S, B, R> {
 
     /// The part in m of the largest magnitudes over the step of the lines of the base acceleration in m/s² and of the
     /// voltage in V.
-    #[inline(always)]
+    #[inline]
     pub(super) fn of_forces(&self, acceleration: S, voltage: S) -> S {
         self.by_base * acceleration + self.by_voltage * voltage
     }

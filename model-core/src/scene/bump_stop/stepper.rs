@@ -127,7 +127,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     }
 
     /// Whether whole steps past a sample stay below the next one.
-    #[inline(always)]
+    #[inline]
     pub(super) fn overshoots(&self, sample_ticks: u64) -> bool {
         u64::from(self.short().ticks) < sample_ticks
     }
@@ -296,7 +296,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     }
 
     /// The short step.
-    #[inline(always)]
+    #[inline]
     pub(super) fn short(&self) -> &StepSetOf<S, P, B, R> {
         let [.., short] = &self.sets;
         short
@@ -315,7 +315,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     }
 
     /// Whether a largest gap coordinate excludes contact, or there is no stop.
-    #[inline(always)]
+    #[inline]
     fn is_clear(&self, highest: S) -> bool {
         if !ContactOf::<S, P>::POSSIBLE || matches!(self.scene.contact.kind(), ContactKind::None) {
             return true;
@@ -326,7 +326,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
 
     /// The contribution of the modes to a bound on the deviation of the voltage from a straight line over a free step
     /// in s, in V; 0 for a load without bridge.
-    #[inline(always)]
+    #[inline]
     fn interpolation_bound_of_voltage(&self, start: &StateOf<S, P, B, R>, step: S) -> S {
         let mut bound = S::ZERO;
         if P::Load::SWITCHES {
@@ -339,7 +339,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     }
 
     /// Whether a bridge blocks for all voltages that differ from that at `state` by at most `bound` in V.
-    #[inline(always)]
+    #[inline]
     fn blocks(&self, state: &StateOf<S, P, B, R>, bound: S) -> bool {
         !P::Load::SWITCHES || self.scene.load.blocks(self.scene.voltage(state), bound, &state.circuit)
     }
@@ -453,7 +453,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
 }
 
 /// An upper bound of `√(a² + b²)`, at most 8 % above it, without a square root.
-#[inline(always)]
+#[inline]
 fn at_least_norm<S: Scalar>(a: S, b: S) -> S {
     let (a, b) = (a.abs(), b.abs());
     a.max(b) + S::from_f64(core::f64::consts::SQRT_2 - 1.0) * a.min(b)

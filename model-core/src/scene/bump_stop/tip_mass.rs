@@ -32,7 +32,7 @@ pub(crate) trait TipMassChoice<S: Scalar>: Copy + Debug + PartialEq {
 pub struct NoTipMass;
 
 impl<S: Scalar> TipMassChoice<S> for NoTipMass {
-    #[inline(always)]
+    #[inline]
     fn mode(&self, beam: &Cantilever<S>, number: u32) -> BeamMode<S> {
         beam.mode(number)
     }
@@ -42,19 +42,19 @@ impl<S: Scalar> TipMassChoice<S> for NoTipMass {
         beam.residual_compliance(place, kept)
     }
 
-    #[inline(always)]
+    #[inline]
     fn moment_at_clamp(&self, _: &Cantilever<S>, beam_moment: S) -> S {
         beam_moment
     }
 
-    #[inline(always)]
+    #[inline]
     fn check(&self, _: &Cantilever<S>) -> Result<(), ParameterError<S>> {
         Ok(())
     }
 }
 
 impl<S: Scalar> TipMassChoice<S> for TipMass<S> {
-    #[inline(always)]
+    #[inline]
     fn mode(&self, beam: &Cantilever<S>, number: u32) -> BeamMode<S> {
         beam.mode_with(self, number)
     }
@@ -64,12 +64,12 @@ impl<S: Scalar> TipMassChoice<S> for TipMass<S> {
         beam.residual_compliance_with(self, place, kept)
     }
 
-    #[inline(always)]
+    #[inline]
     fn moment_at_clamp(&self, beam: &Cantilever<S>, beam_moment: S) -> S {
         beam_moment + self.mass * (beam.length + self.offset)
     }
 
-    #[inline(always)]
+    #[inline]
     fn check(&self, beam: &Cantilever<S>) -> Result<(), ParameterError<S>> {
         TipMass::check(self, beam)
     }

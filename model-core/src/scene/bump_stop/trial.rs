@@ -261,7 +261,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     }
 
     /// Whether impacts are located: only then does the state keep a closed contact and a drift.
-    #[inline(always)]
+    #[inline]
     fn is_impulsive(&self) -> bool {
         matches!(self.contact.kind(), ContactKind::Impulsive { .. })
     }

@@ -53,7 +53,7 @@ pub struct Flow<'a, S: Scalar, P: Parts<S>> {
 }
 
 impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
-    #[inline(always)]
+    #[inline]
     pub(super) fn new(scene: &'a ContactSeparation<S, P>, mode: Mode) -> Self {
         // If the mass never sticks, the compiler knows the mode and removes the other one.
         let mode = if P::Sticking::POSSIBLE { mode } else { Mode::Free };
@@ -72,7 +72,7 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
     }
 
     /// The force per mass against the opening gap, without that of the base: damping, spring and attraction.
-    #[inline(always)]
+    #[inline]
     fn pull(&self, deflection: S, velocity: S, circuit: &Circuit<S>) -> S {
         let scene = self.scene;
         let restoring = scene.stiffness_per_mass * deflection;
@@ -175,7 +175,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     }
 
     /// The deflection includes the rounding remainder of the gap: a small motion is a small difference of gaps.
-    #[inline(always)]
+    #[inline]
     fn flow_from(
         &self,
         start: &Point<S, STATES, POWERS>,
@@ -196,7 +196,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         [velocity, -force - acceleration, charge_rate]
     }
 
-    #[inline(always)]
+    #[inline]
     fn oscillator(&self) -> Option<Oscillator<S>> {
         let scene = self.scene;
         (!self.is_stick()).then_some(Oscillator {
@@ -207,7 +207,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         })
     }
 
-    #[inline(always)]
+    #[inline]
     fn force_rate(&self, state: &[S; STATES], rate: &[S; STATES]) -> S {
         let scene = self.scene;
         let circuit = scene.circuit(state[GAP], state[CHARGE]);
@@ -225,7 +225,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     }
 
     /// Voltage and current change with the relative distance of the electrodes.
-    #[inline(always)]
+    #[inline]
     fn time_scale_ratio(&self, start: &[S; STATES], end: &[S; STATES]) -> S {
         let distance = |gap: S| gap.max(S::ZERO) + self.scene.dielectric;
         distance(end[GAP]) / distance(start[GAP])

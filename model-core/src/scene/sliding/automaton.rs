@@ -33,7 +33,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// The mode of a slider at rest: stick if static friction suffices, otherwise sliding against the load.
-    #[inline(always)]
+    #[inline]
     pub(super) fn mode_from_rest(&self, state: &[S; STATES], acceleration: S) -> Mode {
         let [[pull, _], [hold, _]] = self.balance(state[DISPLACEMENT], state[CHARGE], acceleration);
         if Self::STICKS && pull.abs() <= hold {
@@ -120,12 +120,12 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
     where
         Self: 'a;
 
-    #[inline(always)]
+    #[inline]
     fn flow(&self, mode: Mode) -> Flow<'_, S, P> {
         Flow::new(self, mode)
     }
 
-    #[inline(always)]
+    #[inline]
     fn guards(&self, _mode: Mode) -> usize {
         if <P::Friction as Friction<S>>::PRESENT { 2 } else { 1 }
     }
@@ -163,7 +163,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn rearms(&self, mode: Mode, point: &Point<S, STATES, POWERS>) -> bool {
         match mode {
             Mode::Sliding { forward: true, .. } => point.state[VELOCITY] > self.velocity_margin,
@@ -215,7 +215,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn error_scale(&self) -> ErrorScale<S> {
         let Self { angular_frequency, energy_floor, .. } = *self;
         ErrorScale { angular_frequency, decay_rate: S::from_f64(0.5) * self.damping_per_mass, energy_floor }
@@ -238,7 +238,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         outputs
     }
 
-    #[inline(always)]
+    #[inline]
     fn check(&self, _mode: Mode, state: &[S; STATES]) -> Result<(), (&'static str, S)> {
         let displacement = state[DISPLACEMENT];
         if displacement.abs() < self.diameter { Ok(()) } else { Err(("displacement", displacement)) }

@@ -26,7 +26,7 @@ pub struct Flow<'a, S: Scalar, P: Parts<S>> {
 }
 
 impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
-    #[inline(always)]
+    #[inline]
     pub(super) fn new(scene: &'a Sliding<S, P>, mode: Mode) -> Self {
         let frozen = Sliding::<S, P>::STICKS && matches!(mode, Mode::Stick) && !scene.sticking.relaxes();
         let circuit_rate = match scene.load.resistance() {
@@ -38,13 +38,13 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
     }
 
     /// Whether the slider sticks; if it never does, the compiler removes the code of the stick.
-    #[inline(always)]
+    #[inline]
     fn is_stick(&self) -> bool {
         Sliding::<S, P>::STICKS && matches!(self.mode, Mode::Stick)
     }
 
     /// Friction and lateral force per modal mass while the slider slides: coefficients of 1, `Δq` and `Δq²`.
-    #[inline(always)]
+    #[inline]
     fn force(&self, ahead: bool, displacement: S, circuit: &Circuit<S>) -> [S; 3] {
         let scene = self.scene;
         let mut force = [S::ZERO; 3];
@@ -73,7 +73,7 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
     }
 
     /// Derivatives of force and current while the slider slides.
-    #[inline(always)]
+    #[inline]
     pub(super) fn derivatives(&self, state: &[S; STATES]) -> Derivatives<S> {
         let scene = self.scene;
         let [displacement, _, charge] = *state;
@@ -99,7 +99,7 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
 
     /// The equation of the circuit at a displacement from `start`, also for short steps: the rise of the overlap is no
     /// difference of overlaps.
-    #[inline(always)]
+    #[inline]
     fn equation<const POWERS: usize>(
         &self,
         start: &Point<S, STATES, POWERS>,
@@ -119,7 +119,7 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
 
     /// `s1 q' = Λ (t s2 − q)` at the second of two overlaps, from the rate of the charge at the first, with the rise of `s2`;
     /// `None` without a current through a resistor. The voltage at the start is that of the carried rate.
-    #[inline(always)]
+    #[inline]
     fn equation_at(
         &self,
         [before, reached]: [&DiscOverlap<S>; 2],
@@ -192,7 +192,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         [velocity, force - scene.base_coupling * acceleration, charge_rate]
     }
 
-    #[inline(always)]
+    #[inline]
     fn flow_from(
         &self,
         start: &Point<S, STATES, POWERS>,
@@ -207,7 +207,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         rate
     }
 
-    #[inline(always)]
+    #[inline]
     fn oscillator(&self) -> Option<Oscillator<S>> {
         let scene = self.scene;
         (!self.is_stick()).then_some(Oscillator {
@@ -220,7 +220,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
 
     /// Of the friction, to a few per cent: it only predicts the force, which is then evaluated. The lateral force is
     /// small and not predicted.
-    #[inline(always)]
+    #[inline]
     fn force_rate(&self, state: &[S; STATES], rate: &[S; STATES]) -> S {
         let scene = self.scene;
         if !<P::Friction as Friction<S>>::PRESENT {
@@ -266,7 +266,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁶ of the patch's
     /// diameter, because a sine resolves 10⁻⁹ of its amplitude), charges to the tribo-charge.
-    #[inline(always)]
+    #[inline]
     fn error_norm(&self, state: &[S; STATES], change: &[S; STATES]) -> S {
         let scene = self.scene;
         let least = S::from_f64(1e-6) * scene.diameter;
