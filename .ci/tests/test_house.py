@@ -56,6 +56,7 @@ class Fixture(unittest.TestCase):
             "circles of files": 1,
             # scalar imports from scene.
             "imports upward": 1,
+            "private words": 0,
         }
         self.assertEqual({name: found[name] for name in expected}, expected)
 
@@ -63,6 +64,10 @@ class Fixture(unittest.TestCase):
         for statements, count in ((58, 0), (59, 1)):
             text = "fn long() {\n" + "    step();\n" * statements + "}\n"
             self.assertEqual(measured({"model-core/src/long.rs": text})["functions over 60 lines"], count)
+
+    def test_an_identifier_with_a_private_word_counts_once_and_a_part_of_a_word_does_not(self):
+        text = "fn is_told(told: u8, held_at: u8) { KEPT; LastHeld; }  // glance\nfn shear(weld: u8) { foretold; SHEAR; Yields }\n"
+        self.assertEqual(measured({"model-core/src/a.rs": text})["private words"], 5)
 
     def test_test_items_end_where_they_end(self):
         for item, rest in (

@@ -89,9 +89,9 @@ impl<F: NorFlash> Slots<F> {
 
 /// A [`Board`] of an ADXL362, a flash, and three functions of the microcontroller.
 ///
-/// The accelerometer keeps its supply and is in standby between listens. A pin that took its supply away would leave the
+/// The accelerometer keeps its supply and is in standby between bursts. A pin that took its supply away would leave the
 /// chip select high, which feeds the part through its protection diode beyond its absolute maximum ratings. After a reset
-/// of the processor the part may still measure: call [`Board::stop_sensor`] before the first listen.
+/// of the processor the part may still measure: call [`Board::stop_sensor`] before the first burst.
 ///
 /// Samples are waited for by the clock, not by an interrupt of the sensor: the FIFO holds 0.4 s at 400 Hz.
 #[derive(Debug)]
@@ -141,7 +141,7 @@ where
     }
 
     fn stop_sensor(&mut self) {
-        // A part that does not answer is reset before the next listen.
+        // A part that does not answer is reset before the next burst.
         let _ = self.sensor.stop();
     }
 

@@ -19,7 +19,7 @@ pub mod plant;
 pub mod target;
 mod world;
 
-use model_core::node::{Gap, IncomeOfTime, Step, Tier};
+use model_core::node::{IncomeOfTime, Outage, Step, Tier};
 
 use parts::ExampleNode;
 use plant::{Draws, SECONDS};
@@ -137,11 +137,11 @@ fn start<'a, M: Meter>(node: &'a ExampleNode, world: &'a mut World, meter: &'a M
 fn resume<M: Meter>(runner: &mut Node<'_, M>, log: &mut dyn FnMut(&Entry)) {
     let mut buffer = [0; IMAGE_BYTES];
     // The simulated clock stood still since the image, whose second only its state has.
-    if runner.resume(&mut buffer, Gap::Unknown).is_err() {
+    if runner.resume(&mut buffer, Outage::Unknown).is_err() {
         return;
     }
     let second = ExampleNode::second(runner.state());
-    if let Ok(sequence) = runner.resume(&mut buffer, Gap::OnUntil(second)) {
+    if let Ok(sequence) = runner.resume(&mut buffer, Outage::OnUntil(second)) {
         let world = &mut runner.board_mut().world;
         world.set_back(second);
         log(&Entry::Resumed { losses: world.losses() as u32, sequence, second });
@@ -180,9 +180,9 @@ impl Diary {
         let last_hour = runner.state().last_hour();
         if last_hour != self.hour {
             self.hour = last_hour;
-            if let Some(told) = last_hour {
+            if let Some(estimated) = last_hour {
                 let income = runner.board_mut().world.income_since();
-                log(&Entry::Hour(Hour { second: ExampleNode::second(runner.state()), told, income }));
+                log(&Entry::Hour(Hour { second: ExampleNode::second(runner.state()), estimated, income }));
             }
         }
         let states = ExampleNode::second(runner.state()) / STATE_EVERY;

@@ -19,7 +19,7 @@ use crate::run::run_scene;
 use crate::scene_file::{Model, Scene};
 use crate::shift::shifted;
 use statement::state;
-pub(crate) use statement::{Statements, tell_warnings};
+pub(crate) use statement::{Statements, print_warnings};
 pub use warnings::imbalance;
 use warnings::{beyond_threshold, sampled, unresolved, warning};
 

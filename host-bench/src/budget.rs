@@ -1,9 +1,9 @@
 //! A day of a sensor node: what it harvests, what is stored, and which actions it runs.
 //!
-//! The *controller* knows what its energy budget on the embedded core tells it, in the precision of the firmware. The
+//! The *controller* knows the result of its energy budget on the embedded core, in the precision of the firmware. The
 //! *plant* is the harvester, whose power comes from the embedded core ([`income`]), and a storage in double precision.
 //! Controller and plant share no code. The controller learns from the plant what an estimator and a voltage
-//! measurement would tell: the energy harvested since the last update, and the voltage when the node is switched on.
+//! measurement would give: the energy harvested since the last update, and the voltage when the node is switched on.
 //!
 //! If the storage is behind a bridge and every step is taken, harvester, bridge and storage are one trajectory of the
 //! core, in the precision of the firmware.
@@ -18,7 +18,7 @@ use model_core::scalar::Scalar;
 
 use self::controller::Controller;
 use self::income::Income;
-use self::outcome::{ActionOutcome, KnowingOutcome, NodeDay, Sample};
+use self::outcome::{ActionOutcome, EstimationOutcome, NodeDay, Sample};
 use self::plant::{ChargedStorage, LoopedStorage, Plant, StorageAccount, energy_at};
 use crate::embedded::Midnight;
 use crate::method::{Failure, Options, Precision};
@@ -178,17 +178,17 @@ impl<'a> Record<'a> {
                 by_hour,
             }
         });
-        let knowing = self.node.knowing.iter().zip(actions.by_ref());
-        let knowing: Vec<KnowingOutcome> =
-            knowing.map(|(knowing, outcome)| KnowingOutcome::new(knowing, outcome)).collect();
-        let at_node: f64 = knowing.iter().map(|knowing| knowing.outcome.spent_j).sum();
+        let estimation = self.node.estimation.iter().zip(actions.by_ref());
+        let estimation: Vec<EstimationOutcome> =
+            estimation.map(|(estimation, outcome)| EstimationOutcome::new(estimation, outcome)).collect();
+        let at_node: f64 = estimation.iter().map(|estimation| estimation.outcome.spent_j).sum();
         let capacity_j = energy_at(storage, storage.highest_v);
         let [start_j, end_j] =
             [self.samples.first(), self.samples.last()].map(|sample| sample.map_or(0.0, |end| end.stored_j));
         NodeDay {
             account,
-            knowing_j: at_node / storage.discharging_efficiency,
-            knowing,
+            estimation_j: at_node / storage.discharging_efficiency,
+            estimation,
             asleep_power_w: self.node.asleep_power_w,
             standing_power_w: self.node.standing_power_w,
             figures: self.node.figures.clone(),

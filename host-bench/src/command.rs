@@ -89,7 +89,7 @@ pub(crate) fn set_option(change: &Override) -> String {
 
 /// Prints a failure as one line on standard error, and gives its exit code.
 pub fn report(failure: &Failure) -> ExitCode {
-    tell(&format!("error: {failure}"));
+    print_line(&format!("error: {failure}"));
     ExitCode::from(match failure {
         Failure::Input(_) => 2,
         Failure::Step(_) | Failure::StepLimitExceeded(_) => 3,
@@ -97,9 +97,9 @@ pub fn report(failure: &Failure) -> ExitCode {
 }
 
 /// Prints a line on standard error; control characters are spaces.
-pub(crate) fn tell(line: &str) {
+pub(crate) fn print_line(line: &str) {
     let line = line.replace(char::is_control, " ");
-    // Without a standard error there is nobody to tell.
+    // Without a standard error nothing can be printed.
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
@@ -200,7 +200,7 @@ impl StorageVoltage {
             let text = format!("--storage-voltage {voltage}: must be a number from 0 to {HIGHEST_V:e}");
             return Err(Failure::Input(text));
         }
-        scene.load = scene.load.held_at(voltage).ok_or_else(|| {
+        scene.load = scene.load.with_voltage(voltage).ok_or_else(|| {
             Failure::of_file(
                 scene,
                 "load.kind: must be a bridge (\"rectified-store\", \"dc-bus\") with --storage-voltage",
@@ -224,10 +224,10 @@ const EVERY: Duration = Duration::from_secs(3);
 /// Time from one look at the progress to the next.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Whether only errors and warnings are told.
+/// Whether only errors and warnings are printed.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Tells errors and warnings only from here on.
+/// Prints errors and warnings only from here on.
 pub fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
@@ -239,11 +239,11 @@ pub(crate) fn is_quiet() -> bool {
 /// Prints a line on standard error that is neither an error nor a warning.
 pub(crate) fn note(line: &str) {
     if !is_quiet() {
-        tell(line);
+        print_line(line);
     }
 }
 
-/// Tells every few seconds how far the runs of this process are, until it is dropped.
+/// Prints every few seconds how far the runs of this process are, until it is dropped.
 pub(crate) struct Watch {
     stop: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
@@ -257,16 +257,21 @@ impl Watch {
         let (stop, stopped) = mpsc::channel::<()>();
         let (before, ..) = progress::read();
         let thread = thread::spawn(move || {
-            let (mut run, mut began, mut told) = (before, Instant::now(), Instant::now());
+            let (mut run, mut began, mut reported) = (before, Instant::now(), Instant::now());
             // The sender is dropped where the watch is.
             while stopped.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
                 let (runs, part, done) = progress::read();
                 if runs != run {
                     (run, began) = (runs, Instant::now());
                 }
-                if told.elapsed() >= EVERY {
-                    told = Instant::now();
-                    tell(&line(run.saturating_sub(before).max(1), part, done, began.elapsed().as_secs_f64()));
+                if reported.elapsed() >= EVERY {
+                    reported = Instant::now();
+                    print_line(&line(
+                        run.saturating_sub(before).max(1),
+                        part,
+                        done,
+                        began.elapsed().as_secs_f64(),
+                    ));
                 }
             }
         });

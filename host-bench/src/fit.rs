@@ -24,7 +24,7 @@ pub(crate) use self::fitted::{Entry, fitted_scene};
 use self::free::Asked;
 use self::model::{Interpolation, Problem};
 pub(crate) use self::picture::picture;
-pub(crate) use self::result::{Found, text};
+pub(crate) use self::result::{FitResult, text};
 use self::solve::{Loss, Solved, cost, solve};
 use self::weights::{Weighting, Weights};
 use crate::accuracy::{Statements, run_as_it_is};
@@ -65,7 +65,11 @@ pub(crate) struct Request<'a> {
 const HUBER: f64 = 1.345;
 
 /// Fits; calls `done` after each evaluation of the model for all data.
-pub(crate) fn fit(request: &Request<'_>, scene: &Scene, done: &(dyn Fn() + Sync)) -> Result<Found, Failure> {
+pub(crate) fn fit(
+    request: &Request<'_>,
+    scene: &Scene,
+    done: &(dyn Fn() + Sync),
+) -> Result<FitResult, Failure> {
     check(request, scene)?;
     let data: Vec<Data> =
         request.data.iter().map(|file| data::read(file, scene)).collect::<Result<_, _>>()?;
@@ -86,7 +90,7 @@ pub(crate) fn fit(request: &Request<'_>, scene: &Scene, done: &(dyn Fn() + Sync)
     }
     let loss = if request.huber { Loss::Huber(HUBER) } else { Loss::Squares };
     let start: Vec<f64> = problem.free.iter().map(|free| free.coordinate(free.start)).collect();
-    // Bad input is told at once; a start that fails on its way may have better ones beside it.
+    // Bad input is refused at once; a start that fails on its way may have better ones beside it.
     if let Err(failure @ Failure::Input(_)) = problem.evaluate(&start, &problem.options) {
         return Err(failure);
     }
@@ -116,7 +120,7 @@ fn draw_lines(
     problem: &Problem<'_>,
     at: &[f64],
     options: &Options,
-    found: &mut Found,
+    found: &mut FitResult,
 ) -> Result<(), Failure> {
     let mut curves = found.curves.iter_mut();
     for (file, data) in problem.data.iter().enumerate() {

@@ -17,7 +17,7 @@ struct Arguments {
     /// Without one: error against run time in short, and a report in report/
     #[command(subcommand)]
     command: Option<Command>,
-    /// Tell errors and warnings only: no progress, no names of the files written
+    /// Print errors and warnings only: no progress, no names of the files written
     #[arg(long, short, global = true)]
     quiet: bool,
 }
@@ -155,7 +155,7 @@ fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
 /// Prints help as clap does, and an error as one line.
 fn usage(error: &clap::Error) -> ExitCode {
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
-        // Without a standard output there is nobody to tell.
+        // Without a standard output nothing can be printed.
         let _ = error.print();
         return ExitCode::SUCCESS;
     }

@@ -22,15 +22,15 @@ pub use self::agreement::{Agreement, Judged};
 pub use self::axes::Axes;
 pub use self::column::Column;
 pub use self::image::Image;
-pub use self::inputs::{Heard, KINDS, Kind, Said, heard};
+pub use self::inputs::{Detected, KINDS, Kind, Prediction, detected};
 pub use self::picture::drawn;
 pub(crate) use self::picture::{best, picture};
-pub use agreement::{Place, Truth};
+pub use agreement::{OperatingPoint, Truth};
 
 use self::agreement::{judge, margin};
 use self::image::{Content, SliceBounds, bounds};
 use crate::accuracy::Statements;
-use crate::embedded::{fingerprint, with_held};
+use crate::embedded::{fingerprint, with_continuation};
 use crate::method::{Failure, Options};
 use crate::name::Name;
 use crate::scene_file::{Load, Scene};
@@ -101,7 +101,7 @@ pub struct Map {
     pub agreement: Agreement,
     /// Margin beside a boundary, as a part of the amplitude.
     pub margin: f64,
-    /// Yield over the one-sided spectral density of broadband shaking, in W/((m/s²)²/Hz), and the largest density.
+    /// Output power over the one-sided spectral density of broadband vibration, in W/((m/s²)²/Hz), and the largest density.
     pub broadband: Option<[f64; 2]>,
     /// Simulated periods in all.
     pub periods: f64,
@@ -118,7 +118,7 @@ pub enum Step {
     Done,
 }
 
-/// Makes the map of a scene; `step` hears how far it is.
+/// Makes the map of a scene; `step` is called as it proceeds.
 pub fn map(
     scene: &Scene,
     request: &Request,
@@ -187,7 +187,7 @@ fn of_slices(
     let places = random(&axes, scenes.len(), request.seed, 2 * count);
     let measured = truths(scenes, &places, &content, options, step)?;
     periods += measured.iter().map(|(_, periods)| periods).sum::<f64>();
-    let known: Vec<(Place, Truth, [f64; 2])> = places
+    let known: Vec<(OperatingPoint, Truth, [f64; 2])> = places
         .iter()
         .zip(&measured)
         .map(|(place, (truth, _))| (*place, *truth, boundaries(&content, place)))
@@ -230,9 +230,9 @@ fn swept(
     let of = |index: usize| {
         let frequency_hz = axes.frequencies[index % axes.frequencies.len()];
         let scene = &scenes[index / axes.frequencies.len()];
-        let made = with_held(scene, frequency_hz, options, |held| {
-            let column = column::column(held, frequency_hz, request.amplitudes)?;
-            Ok((column, held.periods()))
+        let made = with_continuation(scene, frequency_hz, options, |continuation| {
+            let column = column::column(continuation, frequency_hz, request.amplitudes)?;
+            Ok((column, continuation.periods()))
         });
         step(Step::Done);
         made
@@ -243,15 +243,15 @@ fn swept(
 /// The steady motions at some places, each with the simulated periods that it took.
 fn truths(
     scenes: &[Scene],
-    places: &[Place],
+    places: &[OperatingPoint],
     content: &Content<'_>,
     options: &Options,
     step: &(impl Fn(Step) + Sync),
 ) -> Result<Vec<(Truth, f64)>, Failure> {
-    let at = |place: &Place| {
-        let truth = with_held(&scenes[place.slice], place.frequency_hz, options, |held| {
+    let at = |place: &OperatingPoint| {
+        let truth = with_continuation(&scenes[place.slice], place.frequency_hz, options, |continuation| {
             let [rising, falling] = boundaries(content, place);
-            Ok((truth(held, place, rising.max(falling))?, held.periods()))
+            Ok((truth(continuation, place, rising.max(falling))?, continuation.periods()))
         });
         step(Step::Done);
         truth
@@ -260,7 +260,7 @@ fn truths(
 }
 
 /// The levels of both boundaries at a place, by the columns beside it.
-fn boundaries(content: &Content<'_>, place: &Place) -> [f64; 2] {
+fn boundaries(content: &Content<'_>, place: &OperatingPoint) -> [f64; 2] {
     let (below, part) = content.axes.column(place.frequency_hz);
     let columns = &content.slices[place.slice];
     let between = |get: fn(&Column) -> f64| {
@@ -270,23 +270,23 @@ fn boundaries(content: &Content<'_>, place: &Place) -> [f64; 2] {
     [between(|column| column.rising), between(|column| column.falling)]
 }
 
-/// What the map tells at places with known motions.
+/// The values of the map at operating points with known motions.
 fn judged(
     image: &Image,
     voltages: &[f64],
-    known: &[(Place, Truth, [f64; 2])],
+    known: &[(OperatingPoint, Truth, [f64; 2])],
 ) -> Result<Vec<Judged>, Failure> {
     let map = image.map()?;
     Ok(known
         .iter()
         .map(|&(place, truth, boundaries)| {
             let (amplitude, frequency) = (place.amplitude as f32, place.frequency_hz as f32);
-            let told = match voltages[place.slice] {
+            let predicted = match voltages[place.slice] {
                 0.0 => map.at(amplitude, frequency),
                 // The slice itself: between two slices there are the bounds of both.
                 _ => map.in_slice_at(place.slice, amplitude, frequency),
             };
-            judge(told, boundaries, place, truth)
+            judge(predicted, boundaries, place, truth)
         })
         .collect())
 }

@@ -148,8 +148,8 @@ impl Study {
         for part in candidates {
             // More modes may hold together with the others, and some where none at all does not.
             let counts: Vec<Part> = match *part {
-                Part::BeamModes(kept) => (kept..beam).map(Part::BeamModes).collect(),
-                Part::RodModes(kept) => (kept..rod).map(Part::RodModes).collect(),
+                Part::BeamModes(retained) => (retained..beam).map(Part::BeamModes).collect(),
+                Part::RodModes(retained) => (retained..rod).map(Part::RodModes).collect(),
                 Part::Rod => [Part::Rod].into_iter().chain((1..rod).map(Part::RodModes)).collect(),
                 other => vec![other],
             };
@@ -162,15 +162,15 @@ impl Study {
 
 /// The parts that are not needed alone, those that change least first; a part that another one covers is left out with it.
 fn candidates(findings: &[Finding]) -> Vec<Part> {
-    let mut kept: Vec<&Finding> = findings
+    let mut retained: Vec<&Finding> = findings
         .iter()
         .filter(|finding| finding.verdict == Verdict::NotNeeded && holds_with_more(findings, finding.part))
         // The other behaviour of the charge leaves nothing out.
         .filter(|finding| finding.part != Part::StickCharge)
         .collect();
     let change = |finding: &Finding| finding.change.map_or(f64::INFINITY, |change| change.largest());
-    kept.sort_by(|one, other| change(one).total_cmp(&change(other)));
-    let parts: Vec<Part> = kept.iter().map(|finding| finding.part).collect();
+    retained.sort_by(|one, other| change(one).total_cmp(&change(other)));
+    let parts: Vec<Part> = retained.iter().map(|finding| finding.part).collect();
     let covered = |part: &Part| parts.iter().any(|other| other != part && covers(*other, *part));
     parts.iter().copied().filter(|part| !covered(part)).collect()
 }
@@ -179,8 +179,8 @@ fn candidates(findings: &[Finding]) -> Vec<Part> {
 fn holds_with_more(findings: &[Finding], part: Part) -> bool {
     findings.iter().all(|finding| {
         let is_larger = match (part, finding.part) {
-            (Part::BeamModes(kept), Part::BeamModes(other))
-            | (Part::RodModes(kept), Part::RodModes(other)) => other > kept,
+            (Part::BeamModes(retained), Part::BeamModes(other))
+            | (Part::RodModes(retained), Part::RodModes(other)) => other > retained,
             (Part::Rod, Part::RodModes(_)) => true,
             _ => false,
         };
@@ -194,8 +194,8 @@ fn covers(one: Part, other: Part) -> bool {
     let store = [Part::Leakage, Part::Draw];
     one == other
         || match (one, other) {
-            (Part::BeamModes(least), Part::BeamModes(kept))
-            | (Part::RodModes(least), Part::RodModes(kept)) => least <= kept,
+            (Part::BeamModes(least), Part::BeamModes(retained))
+            | (Part::RodModes(least), Part::RodModes(retained)) => least <= retained,
             (Part::Stop, other) => stop.contains(&other) || matches!(other, Part::RodModes(_)),
             (Part::Rod, other) => matches!(other, Part::RodModes(_)),
             (Part::Bridge(_), other) => {

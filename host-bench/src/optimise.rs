@@ -125,7 +125,7 @@ pub(crate) struct Request<'a> {
     pub(crate) constraints: Vec<Constraint>,
     /// Points of the grid for each key.
     pub(crate) grid: usize,
-    /// Hears of each run.
+    /// Is called after each run.
     pub(crate) done: &'a (dyn Fn() + Sync),
     pub(crate) runs: Runs,
     /// Whether the best point is run from its own start only.
@@ -301,7 +301,7 @@ impl Point {
 
 /// The result.
 #[derive(Debug)]
-pub(crate) struct Found {
+pub(crate) struct Optimum {
     pub(crate) best: Point,
     /// The best point without the constraints, where there are any.
     pub(crate) unconstrained: Option<Point>,
@@ -316,7 +316,7 @@ pub(crate) struct Found {
     pub(crate) doubts: Vec<String>,
 }
 
-impl Found {
+impl Optimum {
     /// The keys and values of a point.
     pub(crate) fn values(request: &Request<'_>, point: &Point) -> Vec<(String, f64)> {
         let ranges = request.ranges.iter().zip(&point.place);

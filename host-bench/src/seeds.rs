@@ -63,7 +63,7 @@ impl Seeds {
 
 /// A quantity over the seeds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
+pub struct SampleStatistics {
     /// Number of seeds that have it: with an event that some runs lack, fewer than all.
     pub count: usize,
     /// Mean over the seeds.
@@ -80,7 +80,7 @@ pub struct Spread {
     pub largest: f64,
 }
 
-impl Spread {
+impl SampleStatistics {
     /// Of the values of the seeds; `None` of no value.
     #[must_use]
     pub fn of(values: &[f64]) -> Option<Self> {
@@ -123,7 +123,7 @@ pub struct Statistics {
     #[serde(flatten)]
     pub(crate) stated: Fields,
     #[serde(skip)]
-    spreads: Vec<(String, Spread)>,
+    statistics_by_quantity: Vec<(String, SampleStatistics)>,
 }
 
 impl Statistics {
@@ -161,8 +161,9 @@ impl Statistics {
             .collect::<Result<_, Failure>>()?;
         let statements = Statements::of(std::iter::once(&first).chain(&others));
         let rows: Vec<Fields> = std::iter::once(&first).chain(&others).map(fields).collect();
-        let spreads = spreads(&rows);
-        let of_spread = |(name, spread): &(String, Spread)| (name.clone(), fields(spread).into());
+        let statistics_by_quantity = statistics_by_quantity(&rows);
+        let of_spread =
+            |(name, statistics): &(String, SampleStatistics)| (name.clone(), fields(statistics).into());
         Ok(Self {
             scene: first.scene,
             method: first.method,
@@ -173,9 +174,9 @@ impl Statistics {
             base_rms_m_per_s2: first.base_rms_m_per_s2,
             seeds: [seeds.first, seeds.first + seeds.count - 1],
             confidence: CONFIDENCE,
-            statistics: spreads.iter().map(of_spread).collect(),
+            statistics: statistics_by_quantity.iter().map(of_spread).collect(),
             stated: statements.fields(&[]),
-            spreads,
+            statistics_by_quantity,
         })
     }
 
@@ -193,13 +194,13 @@ impl Statistics {
 
     /// A row for each number.
     fn rows(&self) -> Rows {
-        let row = |(name, spread): &(String, Spread)| {
+        let row = |(name, statistics): &(String, SampleStatistics)| {
             let mut row = Fields::from_iter([("quantity".to_owned(), name.as_str().into())]);
-            row.extend(fields(spread));
+            row.extend(fields(statistics));
             row.extend(flattened(self.stated.clone()));
             row
         };
-        Rows(self.spreads.iter().map(row).collect())
+        Rows(self.statistics_by_quantity.iter().map(row).collect())
     }
 
     fn table(&self) -> String {
@@ -232,19 +233,19 @@ const COLUMNS: [Column<'_>; 8] = [
 ];
 
 /// The spread of each number over the rows, in their order.
-fn spreads(rows: &[Fields]) -> Vec<(String, Spread)> {
+fn statistics_by_quantity(rows: &[Fields]) -> Vec<(String, SampleStatistics)> {
     let mut names: Vec<&String> = Vec::new();
     for name in rows.iter().flat_map(Fields::keys) {
         if !names.contains(&name) && !NO_RESULTS.contains(&name.as_str()) {
             names.push(name);
         }
     }
-    let spread = |name: &String| {
+    let statistics = |name: &String| {
         let values: Vec<f64> =
             rows.iter().filter_map(|row| row.get(name)?.as_f64()).filter(|value| value.is_finite()).collect();
-        Some((name.clone(), Spread::of(&values)?))
+        Some((name.clone(), SampleStatistics::of(&values)?))
     };
-    names.into_iter().filter_map(spread).collect()
+    names.into_iter().filter_map(statistics).collect()
 }
 
 fn with_seed(scene: &Scene, seed: u64) -> Result<Scene, Failure> {

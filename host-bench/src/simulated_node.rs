@@ -11,7 +11,7 @@
 //! host-bench map bump-stop-none.toml --amplitude 1:50 --frequency 200:280 --output bump-stop.bin
 //! ```
 //!
-//! and hears 16-bit samples of the shaking with gravity and noise. Energies are scaled so that the mean income is 2.9 µW.
+//! and reads 16-bit samples of the vibration with gravity and noise. Energies are scaled so that the mean income is 2.9 µW.
 
 mod baseline;
 mod compared;
@@ -24,13 +24,13 @@ mod strategy;
 mod timeline;
 mod years;
 
-pub use self::compared::{Came, Errors, Extent, Name, Row, STORAGES, Setup, Storage, rows};
+pub use self::compared::{Errors, Extent, Name, Row, STORAGES, Setup, Storage, Totals, rows};
 pub(crate) use self::compared::{ROWS, timelines};
-pub use self::harvester::{Kind, Off, Shaking, tone};
+pub use self::harvester::{Deviation, Kind, Vibration, tone};
 pub use self::oracle::Oracle;
 pub use self::plant::{Hour, Parts, Run, World};
 pub use self::settings::{OneNode, OneState, Settings};
 pub use self::strategy::{Strategy, Tiered};
-pub use self::timeline::{Course, Timeline, Weather};
+pub use self::timeline::{Course, Timeline, VibrationKind};
 pub use self::years::{Quarter, Stress, years};
 pub use crate::stability::random::Source;

@@ -84,7 +84,7 @@ fn relative(ours: Option<f64>, theirs: Option<f64>) -> Option<f64> {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Found {
+pub(crate) struct Measured {
     /// Errors against the reference.
     #[serde(flatten)]
     pub(crate) errors: Errors,
@@ -111,7 +111,7 @@ pub(crate) struct Row {
     pub(crate) variant: Variant,
     /// What it found; `None` if it failed.
     #[serde(flatten)]
-    pub(crate) found: Option<Found>,
+    pub(crate) found: Option<Measured>,
     pub(crate) failure: Option<String>,
 }
 
@@ -177,7 +177,7 @@ impl Comparison {
     }
 
     /// The fastest row that reaches the target, of those of some variants.
-    pub(crate) fn fastest(&self, of: impl Fn(&Variant) -> bool) -> Option<(&Row, &Found)> {
+    pub(crate) fn fastest(&self, of: impl Fn(&Variant) -> bool) -> Option<(&Row, &Measured)> {
         let rows = self.rows.iter().filter(|row| of(&row.variant) && self.reaches_target(row));
         let found = rows.filter_map(|row| Some((row, row.found.as_ref()?)));
         found.min_by(|(_, one), (_, other)| one.ns_per_s.total_cmp(&other.ns_per_s))
@@ -213,7 +213,7 @@ impl Timed {
     fn row(self, scene: &Scene, reference: &Outcome) -> Row {
         let duration = scene.run.duration_s;
         let (seconds, time_spread) = least(&self.times);
-        let found = self.outcome.as_ref().ok().map(|outcome| Found {
+        let found = self.outcome.as_ref().ok().map(|outcome| Measured {
             errors: (kind(scene).errors)(outcome, reference),
             contacts: outcome.bump_stop().map(|found| found.contacts),
             steps_per_s: (outcome.steps + outcome.rejected_steps) as f64 / duration,

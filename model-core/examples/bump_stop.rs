@@ -30,12 +30,12 @@ fn main() -> Result<(), model_core::Error<f64>> {
     .build::<4, 1>()?;
     // Steps of 1 µs near contact and of 20 µs in flight.
     let harvester = Stepper::with_all_powers(scene, 1e-6, 2e-5)?;
-    let shaking = Sine::<f64>::new(20.0, 220.0, 0.0)?; // m/s², Hz, rad
-    let mut state = harvester.start(&Start::default(), &shaking)?;
+    let vibration = Sine::<f64>::new(20.0, 220.0, 0.0)?; // m/s², Hz, rad
+    let mut state = harvester.start(&Start::default(), &vibration)?;
     let mut meter = RunMeter::new();
     let mut ledger = Ledger::open(&harvester.outputs(&state));
     let end = Instant::from_whole_seconds(1);
-    harvester.advance(&mut state, &shaking, end, u32::MAX, &mut (&mut meter, &mut ledger))?;
+    harvester.advance(&mut state, &vibration, end, u32::MAX, &mut (&mut meter, &mut ledger))?;
     let report = meter.report();
     println!("{:.3e} W, {:.3} V RMS", meter.mean_power(), report.rms_voltage.unwrap_or(f64::NAN));
     println!("{} contacts, {:.1} % of the time", report.contacts, 100.0 * report.contact_fraction);

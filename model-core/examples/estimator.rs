@@ -1,7 +1,7 @@
 //! A node that steps its harvester's model along the samples of an accelerometer that always runs: estimated income with its
 //! uncertainty, the energy of its storage, an action when it can be afforded, and a power-down between samples.
 //!
-//! It spends on computing hundreds of times what a harvester of a few µW yields: a node that lives on its harvester is that of
+//! It spends on computing hundreds of times what a harvester of a few µW gives: a node that lives on its harvester is that of
 //! `examples/node.rs`.
 //!
 //! `cargo run --example estimator`

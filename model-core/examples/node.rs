@@ -26,7 +26,7 @@ const PARAMETERS: MapParameters<1> = MapParameters {
     voltage: VoltageParameters {
         storage: StorageParameters {
             capacitor: Capacitor { capacitance: 10e-3, leakage_resistance: 100e6 }, // F, Ω: data sheet
-            charging_efficiency: 1.0, // the map tells what comes into the storage; else that of the matched converter
+            charging_efficiency: 1.0, // the map has what comes into the storage; else that of the matched converter
             discharging_efficiency: 1.0, // of the converter between storage and node
             highest_voltage: 4.5,     // V: from there on the protection shunts
             lock_out_voltage: 1.9,    // V: the supervisor switches the node off, and on again at
@@ -51,7 +51,7 @@ const PARAMETERS: MapParameters<1> = MapParameters {
         energy: BURST,
         worth: 10.0,   // J by which the bound of an hour narrows for each J of a burst
         shortest: 60,  // s between bursts
-        check: 80_000, // s between bursts where the voltage tells: no part of a day
+        check: 80_000, // s between bursts where the voltage suffices: no part of a day
     },
     gain: 0.5,        // a harvester off its map by a factor of 1.5 or so; 1 if it was never measured
     gain_drift: 0.02, // in an hour, by temperature
@@ -79,7 +79,7 @@ impl Bench {
 impl Board for Bench {
     fn sleep(&mut self, seconds: u32, samples: u32) -> u32 {
         for _ in 0..if samples > 0 { samples.div_ceil(RATE).min(seconds) } else { seconds } {
-            // The harvester yields 0.8 of what the map says.
+            // The harvester gives 0.8 of what the map says.
             let current = MAP.at_voltage(self.amplitude(), 20.5, self.voltage() as f32).income();
             let power = 0.8 * self.voltage() * current.map_or(0.0, |current| f64::from(current.value));
             self.harvested += power;

@@ -9,7 +9,7 @@ static NODE: VoltageNode<2> = match PARAMETERS.build() {
 const PARAMETERS: VoltageParameters<2> = VoltageParameters {
     storage: StorageParameters {
         capacitor: Capacitor { capacitance: 10e-3, leakage_resistance: 100e6 }, // F, Ω: data sheet
-        charging_efficiency: 1.0, // of a matched converter, to tell the harvester's income
+        charging_efficiency: 1.0, // of a matched converter, for the harvester's income
         discharging_efficiency: 0.9, // of the converter between storage and node, at the sleeping current
         highest_voltage: 4.5,     // V: from there on the protection shunts
         lock_out_voltage: 1.9,    // V: the supervisor switches the node off, and on again at

@@ -101,11 +101,11 @@ impl Scene<f32, 3, ALL_POWERS> for Coil {
 fn main() -> Result<(), model_core::Error> {
     let coil = Coil { m: 5e-3, c: 0.02, k: 80.0, t: 4.0, l: 1e-2, r: 1e3, travel: 1e-3, e: 0.6 };
     let harvester = Simulation::with_all_powers(coil, TrBdf2, Adaptive::new(1e-3)?);
-    let shaking = Sine::<f32>::new(3.0, 20.0, 0.0)?; // m/s², Hz, rad
-    let mut state = harvester.start(&[0.0; 3], &shaking)?;
+    let vibration = Sine::<f32>::new(3.0, 20.0, 0.0)?; // m/s², Hz, rad
+    let mut state = harvester.start(&[0.0; 3], &vibration)?;
     let (mut meter, mut ledger) = (RunMeter::new(), Ledger::open(&harvester.outputs(&state)));
     let end = Instant::from_whole_seconds(2);
-    harvester.advance(&mut state, &shaking, end, 1_000_000, &mut (&mut meter, &mut ledger))?;
+    harvester.advance(&mut state, &vibration, end, 1_000_000, &mut (&mut meter, &mut ledger))?;
     let residual = ledger.residual().largest();
     println!("{:.3e} W, {} impacts, ledger {residual:?}", meter.mean_power(), meter.report().impacts);
     assert!(residual.is_some_and(|residual| residual < 1e-3), "the energy ledger closes");
@@ -123,7 +123,7 @@ fn main() -> Result<(), model_core::Error> {
     let mut estimator = Estimator::new(harvester, settings)?;
     for sample in 0..2000 {
         let at = Instant::from_seconds(sample as f32 / 1000.0).unwrap_or(Instant::START);
-        let _ = estimator.push_acceleration(shaking.acceleration(at), u32::MAX)?;
+        let _ = estimator.push_acceleration(vibration.acceleration(at), u32::MAX)?;
     }
     println!("{:.3e} W from samples", estimator.estimate().mean_power);
     Ok(())

@@ -30,12 +30,12 @@ fn main() -> Result<(), model_core::Error<f64>> {
     }
     .build()?;
     let harvester = Simulation::with_all_powers(scene, ExponentialRadau, Adaptive::new(1e-4)?);
-    let shaking = Sine::<f64>::new(3.53, 18.373, 0.0)?; // m/s², Hz, rad
-    let mut state = harvester.start(&Start::default(), &shaking)?;
+    let vibration = Sine::<f64>::new(3.53, 18.373, 0.0)?; // m/s², Hz, rad
+    let mut state = harvester.start(&Start::default(), &vibration)?;
     let mut meter = RunMeter::new();
     let mut ledger = Ledger::open(&harvester.outputs(&state));
     let end = Instant::from_whole_seconds(10);
-    harvester.advance(&mut state, &shaking, end, u32::MAX, &mut (&mut meter, &mut ledger))?;
+    harvester.advance(&mut state, &vibration, end, u32::MAX, &mut (&mut meter, &mut ledger))?;
     let report = meter.report();
     println!("{:.3e} W, {:.3} V RMS", meter.mean_power(), report.rms_voltage.unwrap_or(f64::NAN));
     println!("{} times stuck, {:.1} % of the time", report.sticks, 100.0 * report.stick_fraction);

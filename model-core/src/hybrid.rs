@@ -65,7 +65,7 @@ pub struct Jump<S, Mode, const N: usize> {
     /// Energy lost in the event, in joules.
     pub loss: S,
     /// Whether the guards of the new mode are watched from the start. `false` if a guard starts at zero with
-    /// zero rate; [`Automaton::rearms`] then tells when the guards are watched again.
+    /// zero rate; [`Automaton::rearms`] then decides when the guards are watched again.
     pub armed: bool,
 }
 

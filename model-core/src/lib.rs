@@ -28,11 +28,11 @@
 //!     choices: Choices::new(Resistor { resistance: 1e8 }, ConstantRestitution { coefficient: 0.75 }),
 //! }
 //! .build()?;
-//! let shaking = Sine::<f32>::new(1.962, 20.5, 0.0)?; // m/s², Hz, rad
+//! let vibration = Sine::<f32>::new(1.962, 20.5, 0.0)?; // m/s², Hz, rad
 //! let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(5e-2)?);
-//! let mut state = harvester.start(&Start::default(), &shaking)?;
+//! let mut state = harvester.start(&Start::default(), &vibration)?;
 //! let mut meter = PowerMeter::new();
-//! harvester.advance(&mut state, &shaking, Instant::from_whole_seconds(2), 10_000, &mut meter)?;
+//! harvester.advance(&mut state, &vibration, Instant::from_whole_seconds(2), 10_000, &mut meter)?;
 //! assert!((5e-6..20e-6).contains(&meter.mean_power())); // W
 //! # Ok(())
 //! # }
@@ -55,7 +55,7 @@
 //!
 //! | module | content |
 //! | --- | --- |
-//! | [`node`] | a node that joins map, listening, storage and budget |
+//! | [`node`] | a node that joins map, bursts, storage and budget |
 //! | [`energy`] | meters, the energy ledger; a node's energy budget |
 //! | [`scene`] | the harvesters: parameters, checked once, and pure functions |
 //! | [`part`] | the components of harvesters: loads, restitution |

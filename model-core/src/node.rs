@@ -1,4 +1,4 @@
-//! Estimates the harvested power of a sensor node, with a bound, for less than a thousandth of it where the storage's voltage tells.
+//! Estimates the harvested power of a sensor node, with a bound, for less than a thousandth of it where the storage's voltage suffices.
 //!
 //! A firmware engineer writes a [`Board`] and chooses a node; [`Runner`] does the rest. Nothing here waits: each call does a bounded amount of
 //! work and says when it wants to be called again, so that a node is driven from interrupts, from an executor, or by [`Runner`].
@@ -16,7 +16,7 @@
 //! samples(&[i16]) → Progress::More(left) or Progress::Done(finding)
 //! ```
 //!
-//! Every income is told with a bound of two and a half standard deviations. `docs/node.md` has the choice, all parameters and a glossary;
+//! Every income is estimated with a bound of two and a half standard deviations. `docs/node.md` has the choice, all parameters and a glossary;
 //! `examples/node_voltage.rs` and `examples/node.rs` are complete nodes.
 
 mod board;
@@ -25,8 +25,10 @@ mod tier;
 mod voltage;
 
 pub use board::{Board, Fault, Runner, SaveError, Step};
-pub use map::{Bursts, Finding, MapNode, MapParameters, MapState, Modelled, NodeError, Sensor, Yield};
-pub use tier::{Gap, IncomeOfTime, Progress, StoreReading, Task, Tier, Wake};
+pub use map::{
+    Bursts, Finding, MapNode, MapParameters, MapState, NodeError, OutputPower, PredictedPower, Sensor,
+};
+pub use tier::{IncomeOfTime, Outage, Progress, StoreReading, Task, Tier, Wake};
 pub use voltage::{
     BatteryElement, CapacitorElement, Element, Tolerances, VoltageNode, VoltageParameters, VoltageState,
 };

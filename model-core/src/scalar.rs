@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn increments_below_a_unit_in_the_last_place_are_kept() {
+    fn increments_below_a_unit_in_the_last_place_are_summed() {
         let (mut high, mut low) = (3e-3_f32, 0.0_f32);
         for _ in 0..1_000_000 {
             (high, low) = add_increment(high, low, 1e-12);

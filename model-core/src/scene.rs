@@ -121,9 +121,9 @@ pub trait Harvester<S: Scalar> {
     /// harvester without a storage.
     fn set_storage_voltage(&self, _state: &mut Self::State, _voltage: S, _acceleration: S) {}
 
-    /// The error of the steps of a harvester that checks them ([`bump_stop::Checked`]); `None` for one that does not, and
+    /// The error of the steps of a harvester that checks them ([`bump_stop::StepDoubling`]); `None` for one that does not, and
     /// before its first check.
-    fn checked_error(&self, _state: &Self::State) -> Option<CheckedError<S>> {
+    fn step_doubling_error(&self, _state: &Self::State) -> Option<StepDoublingError<S>> {
         None
     }
 
@@ -155,7 +155,7 @@ pub trait Harvester<S: Scalar> {
 /// What checks of the steps by finer ones have shown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct CheckedError<S> {
+pub struct StepDoublingError<S> {
     /// Error of the mean power by the finite step, relative.
     pub relative: S,
     /// Part of the time, 0 to 1, in which the motion is so irregular that any other steps lead to another motion.
@@ -167,12 +167,12 @@ pub struct CheckedError<S> {
 /// Least and largest change of steps at a time.
 const STEP_FACTORS: [f64; 2] = [0.25, 2.0];
 
-impl<S: Scalar> CheckedError<S> {
+impl<S: Scalar> StepDoublingError<S> {
     /// The factor, 0.25 to 2, by which all steps should be changed for this relative error of the mean power by the finite
     /// step, if that falls with the square of the step. The method is of an order of 2 to 3 where the steps resolve the
     /// contact: a shorter step then gives more than asked for.
     ///
-    /// It does not change [`CheckedError::irregular`]: an irregular motion needs a longer time.
+    /// It does not change [`StepDoublingError::irregular`]: an irregular motion needs a longer time.
     #[must_use]
     pub fn step_factor(&self, tolerance: S) -> S {
         let [least, most] = STEP_FACTORS.map(S::from_f64);

@@ -46,7 +46,7 @@ pub(crate) use image::{NUMBERED, newest_slot, number};
 
 const MAGIC: u32 = u32::from_le_bytes(*b"VEHI");
 /// Version of the layout of the snapshot and of every state in it.
-const VERSION: u16 = 5;
+const VERSION: u16 = 6;
 /// Bytes before the state.
 const HEAD: usize = 12;
 /// Bytes after the state.

@@ -26,7 +26,7 @@ mod board {
     use firmware_example::board::example::{ExampleNode, MEASURE, NODE, RANGE, RATE, Runner};
     use firmware_example::board::{HalBoard, Slots};
     use firmware_example::stop::{Code, stop};
-    use model_core::node::{Board, Gap, Tier};
+    use model_core::node::{Board, Outage, Tier};
     use model_core::snapshot::image_size;
     use nrf52832_hal::gpio::{Level, p0};
     use nrf52832_hal::nvmc::Nvmc;
@@ -196,7 +196,7 @@ mod board {
         let mut runner: Runner<_> = Runner::new(board, &NODE, 0);
         let mut image = [0; image_size::<ExampleNode>()];
         // Without an image the node begins anew. Without a clock of its own supply no one knows how long the power-down was.
-        if runner.resume(&mut image, Gap::Unknown).is_ok() {
+        if runner.resume(&mut image, Outage::Unknown).is_ok() {
             clock.borrow_mut().ticks = u64::from(ExampleNode::second(runner.state())) * u64::from(TICKS);
         }
         let mut saved = ExampleNode::second(runner.state());

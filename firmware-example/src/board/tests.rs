@@ -18,7 +18,7 @@ use embedded_storage::nor_flash::{
     NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 use harvester_scene::market::{Accelerometer, Code, CostModel, Processor, Radio, node_instructions};
-use model_core::node::{Board, Fault, Finding, Gap, Step, Tier};
+use model_core::node::{Board, Fault, Finding, Outage, Step, Tier};
 
 use super::adxl362::{Adxl362, Adxl362Error, Axis, Range, Rate};
 use super::example::{self, Runner};
@@ -257,7 +257,7 @@ struct World {
     ran: [u32; 2],
 }
 
-/// Shaking of the line of the resonance, in m/s² and Hz.
+/// Vibration of the line of the resonance, in m/s² and Hz.
 const SHAKING: [f64; 2] = [1.9, 20.4];
 /// Income and draw of the simulated node in W.
 const NET: f64 = 4e-6;
@@ -386,7 +386,7 @@ fn a_node_on_the_board_takes_bursts_acts_and_resumes() {
     }
     let now = (world.borrow().now / 1000) as u32;
     let mut again: Runner<_> = Runner::new(self::board(&world, flash), node, now);
-    assert_eq!(again.resume(&mut images[0], Gap::OnUntil(now)), Ok(sequence));
+    assert_eq!(again.resume(&mut images[0], Outage::OnUntil(now)), Ok(sequence));
     assert_eq!(example::ExampleNode::second(again.state()), example::ExampleNode::second(&before));
 }
 

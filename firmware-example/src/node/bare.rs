@@ -11,7 +11,7 @@ use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use embedded_storage::nor_flash::{
     ErrorType as FlashErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
-use model_core::node::{Board, Fault, Gap, Runner, Tier, VoltageNode};
+use model_core::node::{Board, Fault, Outage, Runner, Tier, VoltageNode};
 use model_core::snapshot::image_size;
 
 use super::parts::{ACTIONS, NODE, Part};
@@ -251,7 +251,7 @@ fn started<B: Board, N: Tier<State: Copy>, const IMAGE: usize>(
     second: u32,
 ) -> Runner<'_, B, N> {
     let mut runner = Runner::new(board, node, second);
-    let _ = runner.resume(&mut [0; IMAGE], Gap::OnUntil(second));
+    let _ = runner.resume(&mut [0; IMAGE], Outage::OnUntil(second));
     runner
 }
 

@@ -45,24 +45,24 @@ pub struct State {
     /// Stored energy and its bound in J.
     pub stored: [f32; 2],
     /// The income since midnight.
-    pub told: IncomeOfTime,
+    pub estimated: IncomeOfTime,
     /// The true one in pJ.
     pub income: u64,
-    /// Energy in J that was spent on knowing it.
-    pub knowing: f32,
+    /// Energy in J that was spent on estimation.
+    pub estimation: f32,
     /// Readings of the voltage, and bursts.
     pub instruments: [u32; 2],
     /// Runs of each action.
     pub ran: [u32; ACTIONS],
 }
 
-/// An hour that the node has told.
+/// The estimate of an hour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hour {
     /// Second of the day at its end.
     pub second: u32,
     /// What the node says.
-    pub told: IncomeOfTime,
+    pub estimated: IncomeOfTime,
     /// The true income in pJ.
     pub income: u64,
 }
@@ -73,9 +73,9 @@ impl State {
             second: ExampleNode::second(state),
             code: plant.code,
             stored: node.stored(state),
-            told: node.overall(state),
+            estimated: node.overall(state),
             income: plant.income,
-            knowing: node.spent_on_knowing(state),
+            estimation: node.spent_on_estimation(state),
             instruments: [state.voltage().readings(), state.bursts()],
             ran: plant.ran,
         }
@@ -88,18 +88,18 @@ impl fmt::Display for Entry {
             Self::State(state) => {
                 let State { second, code, income, .. } = state;
                 let ([readings, bursts], [measured, transmitted]) = (state.instruments, state.ran);
-                let IncomeOfTime { energy, bound, silent, .. } = state.told;
-                let [stored, within, energy, bound, knowing] =
-                    [state.stored[0], state.stored[1], energy, bound, state.knowing].map(picojoules);
+                let IncomeOfTime { energy, bound, silent, .. } = state.estimated;
+                let [stored, within, energy, bound, estimation] =
+                    [state.stored[0], state.stored[1], energy, bound, state.estimation].map(picojoules);
                 write!(
                     f,
                     "second {second}: code {code}, {stored} pJ stored, bound {within}, {energy} pJ in, \
-                     bound {bound}, {silent} s silent, {income} pJ true, {knowing} pJ on knowing, \
+                     bound {bound}, {silent} s silent, {income} pJ true, {estimation} pJ on knowing, \
                      {readings} readings, {bursts} bursts, {measured} measured, {transmitted} transmitted"
                 )
             }
-            Self::Hour(Hour { second, told, income }) => {
-                let IncomeOfTime { seconds, energy, bound, silent } = told;
+            Self::Hour(Hour { second, estimated, income }) => {
+                let IncomeOfTime { seconds, energy, bound, silent } = estimated;
                 let [energy, bound] = [*energy, *bound].map(picojoules);
                 write!(
                     f,
@@ -129,9 +129,9 @@ pub(super) fn log(entry: &Entry) {
         Entry::State(state) => {
             let State { second, code, income, .. } = state;
             let ([readings, bursts], [measured, transmitted]) = (state.instruments, state.ran);
-            let IncomeOfTime { energy, bound, silent, .. } = state.told;
-            let [stored, within, energy, bound, knowing] =
-                [state.stored[0], state.stored[1], energy, bound, state.knowing].map(picojoules);
+            let IncomeOfTime { energy, bound, silent, .. } = state.estimated;
+            let [stored, within, energy, bound, estimation] =
+                [state.stored[0], state.stored[1], energy, bound, state.estimation].map(picojoules);
             defmt::info!(
                 "second {=u32}: code {=u32}, {=u64} pJ stored, bound {=u64}, {=u64} pJ in, bound {=u64}, {=u32} s silent, {=u64} pJ true, {=u64} pJ on knowing, {=u32} readings, {=u32} bursts, {=u32} measured, {=u32} transmitted",
                 second,
@@ -142,15 +142,15 @@ pub(super) fn log(entry: &Entry) {
                 bound,
                 silent,
                 income,
-                knowing,
+                estimation,
                 readings,
                 bursts,
                 measured,
                 transmitted
             );
         }
-        Entry::Hour(Hour { second, told, income }) => {
-            let IncomeOfTime { seconds, energy, bound, silent } = told;
+        Entry::Hour(Hour { second, estimated, income }) => {
+            let IncomeOfTime { seconds, energy, bound, silent } = estimated;
             let [energy, bound] = [*energy, *bound].map(picojoules);
             defmt::info!(
                 "hour until {=u32}: {=u32} s, {=u64} pJ in, bound {=u64}, {=u32} s silent, {=u64} pJ true",

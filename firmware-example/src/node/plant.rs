@@ -14,7 +14,7 @@ use super::parts::{
 /// What the true node draws, in per cent of what is stated: asleep, for an action, for a reading or a burst.
 const STANDING: u64 = 115;
 const ACTION: u64 = 101;
-const KNOWING: u64 = 104;
+const NODE_COST: u64 = 104;
 /// Time in s in which the leakage takes the stored energy: half of resistance times capacitance.
 const LEAKING: u64 = (0.5 * LEAKAGE * CAPACITANCE) as u64;
 /// Root mean square of the noise in 1/1024 codes of the converter, and in 1/256 counts of the accelerometer.
@@ -39,8 +39,8 @@ impl Draws {
         let of = |joules: f32, percent: u64| (1e12 * joules) as u64 * percent / u64::from(OUT_OF_STORAGE);
         Self {
             standing: of(voltage.standing_power, STANDING),
-            reading: of(voltage.reading, KNOWING),
-            burst: of(bursts.energy, KNOWING),
+            reading: of(voltage.reading, NODE_COST),
+            burst: of(bursts.energy, NODE_COST),
             actions: voltage.actions.map(|regular| of(regular.energy, ACTION)),
         }
     }
@@ -60,8 +60,8 @@ pub struct Plant {
     pub stored: u64,
     /// Harvested energy since midnight in pJ.
     pub income: u64,
-    /// Harvested energy in pJ until the end of the hour that the node told last.
-    pub(super) told: u64,
+    /// Harvested energy in pJ until the end of the last hour that the node reported.
+    pub(super) reported: u64,
     /// Harvested energy in pJ that the storage, being full, did not take.
     pub shunted: u64,
     /// The last code of the converter.
@@ -91,7 +91,7 @@ impl Plant {
             second: 0,
             stored: energy_at(FIRST),
             income: 0,
-            told: 0,
+            reported: 0,
             shunted: 0,
             code: 0,
             ran: [0; ACTIONS],
@@ -111,8 +111,8 @@ impl Plant {
             let within = self.second % 60;
             let seconds = (until - self.second).min(60 - within);
             let energy = u64::from(minute(self.second).energy);
-            let came = |second: u32| energy * u64::from(second) * 50 / 3;
-            let income = came(within + seconds) - came(within);
+            let harvested = |second: u32| energy * u64::from(second) * 50 / 3;
+            let income = harvested(within + seconds) - harvested(within);
             let lost = (self.stored / LEAKING + draws.standing) * u64::from(seconds);
             let stored = (self.stored + income * u64::from(INTO_STORAGE) / 100).saturating_sub(lost);
             self.stored = stored.min(energy_at(HIGHEST));

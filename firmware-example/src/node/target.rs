@@ -17,12 +17,12 @@ const MARK: u32 = 0x57_0A_1D_5E;
 
 /// The world, behind a mark that it has been made.
 #[repr(C)]
-struct Kept {
+struct Retained {
     mark: u32,
     world: MaybeUninit<World>,
 }
 
-struct Memory(UnsafeCell<MaybeUninit<Kept>>);
+struct Memory(UnsafeCell<MaybeUninit<Retained>>);
 
 // SAFETY: there is one core, no interrupt uses it, and `run` takes the only reference.
 unsafe impl Sync for Memory {}
@@ -42,16 +42,16 @@ pub fn run() -> ! {
     let Some(peripherals) = Peripherals::take() else { stop(Code::Faulted) };
     let counter = Counter::start(peripherals.SYST);
     // SAFETY: this function is called once after a start, and there is no other reference.
-    let kept = unsafe { &mut *MEMORY.0.get() };
-    let kept = kept.as_mut_ptr();
+    let retained = unsafe { &mut *MEMORY.0.get() };
+    let retained = retained.as_mut_ptr();
     // SAFETY: the mark is a number in memory that the reset has not touched, or an arbitrary one.
-    let is_made = unsafe { (&raw const (*kept).mark).read_volatile() } == MARK;
+    let is_made = unsafe { (&raw const (*retained).mark).read_volatile() } == MARK;
     // SAFETY: as above.
-    let world = unsafe { &mut (*kept).world };
+    let world = unsafe { &mut (*retained).world };
     if !is_made {
         make(world);
         // SAFETY: as above.
-        unsafe { (&raw mut (*kept).mark).write_volatile(MARK) };
+        unsafe { (&raw mut (*retained).mark).write_volatile(MARK) };
     }
     // SAFETY: it was made now or before the last reset, by this program.
     let world = unsafe { world.assume_init_mut() };

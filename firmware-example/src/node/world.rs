@@ -141,7 +141,7 @@ impl World {
     /// Income in pJ since the last call.
     pub(super) fn income_since(&mut self) -> u64 {
         let income = self.plant.income;
-        income - core::mem::replace(&mut self.plant.told, income)
+        income - core::mem::replace(&mut self.plant.reported, income)
     }
 
     /// Losses of power so far.

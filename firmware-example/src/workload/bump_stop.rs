@@ -9,8 +9,8 @@ use model_core::part::load::Resistor;
 use model_core::part::monomorph::Layer;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{
-    BumpStop, Checked, CheckedState, Choices, Parameters, Parts, ResidualFlexibility, Resistive, Start,
-    StateOf, Stepper, Stop,
+    BumpStop, Choices, Parameters, Parts, ResidualFlexibility, Resistive, Start, StateOf, StepDoubling,
+    StepDoublingState, Stepper, Stop,
 };
 
 use super::run::{self, Building, Plan, Run};
@@ -67,7 +67,7 @@ pub fn checked(visit: Visit<'_>) -> Option<()> {
 fn run_checked() -> Option<impl Workload> {
     let scene: BumpStop<f32, Whole, BEAM_MODES, ROD_MODES> = black_box(whole(GAP)).build().ok()?;
     let stepper = Stepper::new(scene, black_box(SHORT), black_box(LONG)).ok()?;
-    let checked = Checked::new(stepper, black_box(CHECKED_EVERY));
+    let checked = StepDoubling::new(stepper, black_box(CHECKED_EVERY));
     Run::new(CHECKED, checked, &Start::default(), with_statement)
 }
 
@@ -76,15 +76,15 @@ type OfWhole = StateOf<f32, Whole, BEAM_MODES, ROD_MODES>;
 /// As [`run::piezoelectric`], without the last two words; then the stated error of the steps, relative, and the part of the
 /// time in which the motion is irregular.
 fn with_statement(
-    checked: &Checked<f32, Whole, BEAM_MODES, ROD_MODES>,
-    state: &CheckedState<f32, OfWhole>,
+    checked: &StepDoubling<f32, Whole, BEAM_MODES, ROD_MODES>,
+    state: &StepDoublingState<f32, OfWhole>,
     delivered: f32,
     work: Work,
     words: &mut [u32; 8],
 ) {
     run::piezoelectric(checked.stepper(), state.run(), delivered, work, words);
     let [.., relative, irregular] = words;
-    let stated = checked.checked_error(state);
+    let stated = checked.step_doubling_error(state);
     *relative = stated.map_or(f32::INFINITY, |stated| stated.relative).to_bits();
     *irregular = stated.map_or(f32::INFINITY, |stated| stated.irregular).to_bits();
 }

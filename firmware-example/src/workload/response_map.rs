@@ -1,4 +1,4 @@
-//! The cost of knowing an income without a trajectory: a look-up in a response map, and the lines of a resonance's band.
+//! The cost of estimating an income without a trajectory: a look-up in a response map, and the lines of a resonance's band.
 //!
 //! A step in the log is a look-up, or a sample.
 
@@ -32,7 +32,7 @@ pub fn all(visit: Visit<'_>) -> Option<()> {
     visit(&mut LookUp::new("look-up, one motion", map, [0.2, 19.7]));
     visit(&mut LookUp::new("look-up, two motions", map, TWO_MOTIONS));
     let bank = LineBank::new(black_box(400.0), 20.13, 0.1, UNIT).ok()?;
-    visit(&mut Listening::new(bank));
+    visit(&mut BurstBench::new(bank));
     Some(())
 }
 
@@ -76,7 +76,7 @@ impl Workload for LookUp {
     }
 }
 
-struct Listening {
+struct BurstBench {
     bank: LineBank<SECTION, SECTIONS>,
     state: LineBankState<SECTIONS>,
     blocks: u32,
@@ -84,7 +84,7 @@ struct Listening {
     bits: [u32; 3],
 }
 
-impl Listening {
+impl BurstBench {
     /// With a square wave of 20 Hz on gravity, with noise: the cost hardly depends on the values.
     fn new(bank: LineBank<SECTION, SECTIONS>) -> Self {
         let (mut burst, mut seed) = ([0; BURST], 1_u32);
@@ -96,7 +96,7 @@ impl Listening {
     }
 }
 
-impl Workload for Listening {
+impl Workload for BurstBench {
     fn name(&self) -> &'static str {
         "lines of the band"
     }

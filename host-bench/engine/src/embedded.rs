@@ -17,8 +17,8 @@ macro_rules! by_harvester {
 mod auto;
 mod bump_stop;
 mod contact_separation;
+mod continuation;
 mod excitation;
-mod held;
 mod limits;
 mod report;
 mod run;
@@ -42,7 +42,10 @@ pub use bump_stop::{
     chattering_phases, contact_intervals, deflected_shapes, parameters as bump_stop_parameters,
 };
 pub use contact_separation::parameters as contact_separation_parameters;
-pub use held::{Found, Held, Motion, damping_ratio, fingerprint, natural_frequency_hz, with_held};
+pub use continuation::{
+    AmplitudeContinuation, Motion, MotionKind, damping_ratio, fingerprint, natural_frequency_hz,
+    with_continuation,
+};
 pub use shooting::Memory;
 pub use sliding::parameters as sliding_parameters;
 pub use store_in_loop::{Midnight, StoreInLoop, Stretch};

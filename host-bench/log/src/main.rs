@@ -15,7 +15,7 @@ fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(3),
         Err(reason) => {
-            // Without a standard error there is nobody to tell.
+            // Without a standard error nothing can be printed.
             let _ = writeln!(io::stderr(), "{reason}");
             ExitCode::from(2)
         }

@@ -51,7 +51,7 @@ impl std::fmt::Display for Stop {
 
 /// What a run found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Found {
+pub struct PeerRun {
     /// Mean power in W delivered to the load in the measuring window.
     pub mean_power_w: f64,
     /// Host time in s per simulated second.
@@ -94,13 +94,13 @@ impl Meter {
 ///
 /// # Errors
 /// [`Stop`].
-pub fn run(scene: &Scene, method: Method, setting: f64) -> Result<Found, Stop> {
+pub fn run(scene: &Scene, method: Method, setting: f64) -> Result<PeerRun, Stop> {
     let meter = if method.peer().is_some() {
         peer::run(scene, method, setting)?
     } else {
         embedded::run(scene, method, setting)?
     };
-    Ok(Found {
+    Ok(PeerRun {
         mean_power_w: meter.delivered / scene.run.window_s(),
         seconds_per_simulated_second: meter.processor_s / scene.run.duration_s,
         steps_per_simulated_second: meter.steps / scene.run.duration_s,

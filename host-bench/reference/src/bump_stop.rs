@@ -246,12 +246,12 @@ impl March<'_> {
     fn rebound(&mut self, coefficient: f64, speed: f64) {
         let mobility = self.system.mobility;
         let closing = speed < CLOSING_SPEED;
-        let kept = if closing { 0.0 } else { coefficient };
-        let momentum = (1.0 + kept) * speed / mobility;
+        let rebound = if closing { 0.0 } else { coefficient };
+        let momentum = (1.0 + rebound) * speed / mobility;
         for (entry, push) in self.vector.iter_mut().zip(&self.system.push) {
             *entry += push * momentum;
         }
-        self.meter.impact(momentum, 0.5 * (1.0 - kept * kept) * speed * speed / mobility);
+        self.meter.impact(momentum, 0.5 * (1.0 - rebound * rebound) * speed * speed / mobility);
         if closing {
             let [force, _] = &self.regimes.closed;
             self.in_contact = value(force, &self.vector) > 0.0;

@@ -49,23 +49,23 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("inputs-{}", std::process::id()));
         fs::create_dir_all(&folder).expect("a folder");
         let scene = folder.join("scene.toml");
-        let told = |file: &Path| scene_file::read(file, &[]).expect_err("no scene").to_string();
+        let refusal = |file: &Path| scene_file::read(file, &[]).expect_err("no scene").to_string();
         fs::write(&scene, vec![b'#'; MOST_OF_SCENE as usize + 1]).expect("a file");
-        assert!(told(&scene).contains("must have at most 4194304 bytes"), "{}", told(&scene));
+        assert!(refusal(&scene).contains("must have at most 4194304 bytes"), "{}", refusal(&scene));
         #[cfg(unix)]
         {
             let pipe = folder.join("pipe.toml");
             let made = std::process::Command::new("mkfifo").arg(&pipe).status();
             assert!(made.expect("mkfifo is there").success());
             for file in [pipe.as_path(), Path::new("/dev/zero"), folder.as_path()] {
-                assert!(told(file).contains("must be a file"), "{}", told(file));
+                assert!(refusal(file).contains("must be a file"), "{}", refusal(file));
             }
         }
         // A reader that counts lines from the start for each table takes more than ten seconds.
         fs::write(&scene, (0..100_000).map(|index| format!("[a{index}]\n")).collect::<String>())
             .expect("a file");
         let began = std::time::Instant::now();
-        assert!(told(&scene).contains("scene: is missing"), "{}", told(&scene));
+        assert!(refusal(&scene).contains("scene: is missing"), "{}", refusal(&scene));
         assert!(began.elapsed().as_secs_f64() < 8.0, "{:?}", began.elapsed());
         fs::remove_dir_all(&folder).expect("my own folder");
     }

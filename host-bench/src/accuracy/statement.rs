@@ -9,7 +9,7 @@ use super::{
     Difference, LEAST, Runs, delivers, difference, has_own_steps, has_tolerance, in_double_precision,
     run_as_it_is,
 };
-use crate::command::tell;
+use crate::command::print_line;
 use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::{Accuracy, Fields, Outcome, fields, standard_error_of_sum};
@@ -327,10 +327,10 @@ fn badness(warning: &str) -> Option<f64> {
 }
 
 /// Prints the warnings among the fields of a result on standard error.
-pub(crate) fn tell_warnings(found: &Fields) {
+pub(crate) fn print_warnings(found: &Fields) {
     let warnings = found.get("warnings").and_then(|warnings| warnings.as_array());
     let texts = warnings.into_iter().flatten().filter_map(|warning| warning.as_str());
-    texts.for_each(|warning| tell(&format!("warning: {warning}")));
+    texts.for_each(|warning| print_line(&format!("warning: {warning}")));
 }
 
 #[cfg(test)]
@@ -338,7 +338,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_each_kind_of_warning_the_worst_is_told() {
+    fn of_each_kind_of_warning_the_worst_is_printed() {
         let scene = crate::scene_file::read(&crate::scene_file::shipped("contact-separation"), &[]);
         let run = crate::run::run_scene(&scene.expect("valid"), &Options::default()).expect("runs");
         let with = |warning: &str| Outcome { warnings: vec![warning.to_owned()], ..run.clone() };
@@ -365,8 +365,8 @@ mod tests {
             ),
         ] {
             for order in [[mild, worse], [worse, mild]] {
-                let told = Statements::of(&order.map(with)).fields(&[])["warnings"].to_string();
-                assert!(told.contains(&format!("2 of 2 runs: {worse}")), "{told}");
+                let printed = Statements::of(&order.map(with)).fields(&[])["warnings"].to_string();
+                assert!(printed.contains(&format!("2 of 2 runs: {worse}")), "{printed}");
             }
         }
     }

@@ -40,17 +40,17 @@ pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
             ("fast relaxations", accuracy.boundary_layers),
         ];
         let known = sources.iter().filter_map(|(name, error)| Some(format!("{:.1e} by {name}", (*error)?)));
-        let not_held =
+        let not_reached =
             asked.filter(|_| missed).map_or(String::new(), |asked| format!("{asked:e} is not held: "));
         let (unknown, remedy) = match total > UNKNOWN {
             true => (
-                format!("{quantity} cannot be told: "),
+                format!("{quantity} cannot be determined: "),
                 "; smaller steps (--accuracy, --tolerance or --step) and a longer run.duration_s may help",
             ),
             false => Default::default(),
         };
         format!(
-            "accuracy: {not_held}{unknown}the estimated relative error of {quantity} is {total:.1e}: {}{remedy}",
+            "accuracy: {not_reached}{unknown}the estimated relative error of {quantity} is {total:.1e}: {}{remedy}",
             known.collect::<Vec<_>>().join(", ")
         )
     })

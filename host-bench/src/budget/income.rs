@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn power_is_interpolated_over_the_voltage_and_held_beyond() {
+    fn power_is_interpolated_over_the_voltage_and_constant_beyond() {
         let curve = [(0.0, 0.0), (2.0, 6.0), (4.0, 8.0)];
         for (voltage, power) in [(0.0, 0.0), (0.5, 1.5), (2.0, 6.0), (3.0, 7.0), (4.0, 8.0), (9.0, 8.0)] {
             assert_eq!(at_voltage(&curve, voltage), power, "{voltage}");

@@ -9,7 +9,7 @@ use crate::name::Name;
 use crate::outcome::{Fields, Format, fields, text};
 use harvester_scene::market::Evidence;
 
-use crate::scene_file::{HOURS, Knowing, PartFigure};
+use crate::scene_file::{EstimationCost, HOURS, PartFigure};
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NodeDay {
@@ -18,9 +18,9 @@ pub(crate) struct NodeDay {
     /// The actions, in the order of the scene file, without what is done to know the income.
     pub(super) actions: Vec<ActionOutcome>,
     /// What was done to know the income.
-    pub(super) knowing: Vec<KnowingOutcome>,
+    pub(super) estimation: Vec<EstimationOutcome>,
     /// Energy that it took from the storage in J.
-    pub(super) knowing_j: f64,
+    pub(super) estimation_j: f64,
     /// Power of the named parts asleep in W, if parts are named.
     pub(super) asleep_power_w: Option<f64>,
     /// Power that the node takes whatever it does in W.
@@ -71,7 +71,7 @@ pub(crate) struct ActionOutcome {
 
 /// What was done to know the income.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct KnowingOutcome {
+pub(crate) struct EstimationOutcome {
     #[serde(flatten)]
     pub(super) outcome: ActionOutcome,
     /// Energy at the node of one in J.
@@ -81,9 +81,9 @@ pub(crate) struct KnowingOutcome {
     costs: Vec<(&'static str, f64)>,
 }
 
-impl KnowingOutcome {
-    pub(super) fn new(knowing: &Knowing, outcome: ActionOutcome) -> Self {
-        Self { outcome, energy_j: knowing.action.energy_j, costs: knowing.costs.clone() }
+impl EstimationOutcome {
+    pub(super) fn new(estimation: &EstimationCost, outcome: ActionOutcome) -> Self {
+        Self { outcome, energy_j: estimation.action.energy_j, costs: estimation.costs.clone() }
     }
 
     /// Names and values, those of its costs at the end.
@@ -147,12 +147,12 @@ impl NodeDay {
             "income_j": account.income,
             "shunted_j": account.shunted,
             "leaked_j": account.leaked,
-            "actions_j": account.actions - self.knowing_j,
-            "knowing_j": self.knowing_j,
+            "actions_j": account.actions - self.estimation_j,
+            "estimation_j": self.estimation_j,
             "standing_j": account.standing,
             "standing_power_w": self.standing_power_w,
             "asleep_power_w": self.asleep_power_w,
-            "knowing_share_of_income": (account.income > 0.0).then(|| self.knowing_j / account.income),
+            "estimation_share_of_income": (account.income > 0.0).then(|| self.estimation_j / account.income),
             "store_residual": self.storage_residual(),
             "start_charge": self.start_j / self.capacity_j,
             "end_charge": self.end_j / self.capacity_j,
@@ -191,13 +191,14 @@ impl NodeDay {
         let mut all = self.fields(source);
         if format == Format::Json {
             all.insert("actions".to_owned(), json!(self.actions));
-            let knowing: Vec<Fields> = self.knowing.iter().map(KnowingOutcome::fields).collect();
-            all.insert("knowing".to_owned(), json!(knowing));
+            let estimation: Vec<Fields> = self.estimation.iter().map(EstimationOutcome::fields).collect();
+            all.insert("estimation".to_owned(), json!(estimation));
             all.insert("figures".to_owned(), json!(self.figures));
         } else {
-            let knowing = self.knowing.iter().map(|knowing| (&knowing.outcome.name, knowing.fields()));
+            let estimation =
+                self.estimation.iter().map(|estimation| (&estimation.outcome.name, estimation.fields()));
             let actions = self.actions.iter().map(|action| (&action.name, fields(action)));
-            for (name, values) in knowing.chain(actions) {
+            for (name, values) in estimation.chain(actions) {
                 let values = values.into_iter().filter(|(key, _)| key != "name");
                 all.extend(values.map(|(key, value)| (format!("{}_{key}", name.line()), value)));
             }

@@ -1,4 +1,4 @@
-//! The day of a node as a picture: stored energy, income, what knowing it costs, and actions over the hours.
+//! The day of a node as a picture: stored energy, income, the cost of estimation, and actions over the hours.
 
 use plotters::style::RGBColor;
 
@@ -9,14 +9,14 @@ use crate::report::chart::{Axis, Chart, Curve, FROM_ZERO, Mark};
 use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION};
 use crate::scene_file::HOURS;
 
-/// The part of the income that knowing it is to cost at most.
+/// The part of the income that estimating it is to cost at most.
 const SHARE: f64 = 0.01;
 /// Colours of the actions; more actions take them again from the first.
 const COLOURS: [RGBColor; 4] = [GREEN, VERMILION, ORANGE, BLACK];
 
 /// The charts with the numbers of the day.
 pub(crate) fn picture(day: &NodeDay, source: &Source) -> Picture {
-    let charts = [Some(stored(day)), Some(income(day)), knowing(day), Some(actions(day))];
+    let charts = [Some(stored(day)), Some(income(day)), estimation(day), Some(actions(day))];
     Picture {
         title: format!("A day of a node: {}", source.scene),
         width: 980,
@@ -68,16 +68,16 @@ fn income(day: &NodeDay) -> Chart {
     chart("Harvester", "harvested power [µW]", curves)
 }
 
-/// What knowing the income takes at the node, hour by hour; `None` for a node that spends nothing on it.
-fn knowing(day: &NodeDay) -> Option<Chart> {
-    let powers = day.knowing.iter().enumerate().map(|(index, knowing)| {
-        let powers = (0..HOURS).map(|hour| 1e9 * knowing.power_w(hour));
-        steps(&knowing.outcome.name.line(), index, powers)
+/// What estimating the income takes at the node, hour by hour; `None` for a node that spends nothing on it.
+fn estimation(day: &NodeDay) -> Option<Chart> {
+    let powers = day.estimation.iter().enumerate().map(|(index, estimation)| {
+        let powers = (0..HOURS).map(|hour| 1e9 * estimation.power_w(hour));
+        steps(&estimation.outcome.name.line(), index, powers)
     });
     let limit = 1e9 * SHARE * day.account.income / f64::from(super::DAY_S);
     let limit = level("1 % of the day's mean income", BLUE, limit);
     let curves = powers.chain([limit]).collect();
-    (!day.knowing.is_empty()).then(|| chart("Knowing the income", "mean power [nW]", curves))
+    (!day.estimation.is_empty()).then(|| chart("Knowing the income", "mean power [nW]", curves))
 }
 
 fn actions(day: &NodeDay) -> Chart {

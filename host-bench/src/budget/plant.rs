@@ -218,18 +218,18 @@ impl Plant for ChargedStorage<'_> {
         let reservoir = self.storage.reservoir();
         let rate = reservoir.leaking(self.energy);
         let efficiency = self.storage.charging_efficiency * reservoir.charging_efficiency();
-        let mean_kept = if rate > 0.0 { -(-rate).exp_m1() / rate } else { 1.0 };
+        let mean_remaining = if rate > 0.0 { -(-rate).exp_m1() / rate } else { 1.0 };
         for second in from..from + seconds {
             let harvested = self.income.power_w(second, self.voltage());
             let standing = if self.supplied { self.standing_w } else { 0.0 };
             let stored = harvested * efficiency;
-            let end = self.energy * (-rate).exp() + (stored - standing) * mean_kept;
+            let end = self.energy * (-rate).exp() + (stored - standing) * mean_remaining;
             let account = &mut self.account;
             account.harvested += harvested;
             account.income += stored;
             account.standing += standing;
             // The leakage of the energy at the start, and of the constant power in, each in closed form.
-            account.leaked += -(-rate).exp_m1() * self.energy + (1.0 - mean_kept) * (stored - standing);
+            account.leaked += -(-rate).exp_m1() * self.energy + (1.0 - mean_remaining) * (stored - standing);
             account.lockout_s += u32::from(!self.supplied);
             self.energy = end.min(energy_at(&self.storage, self.storage.highest_v));
             self.account.shunted += end - self.energy;

@@ -6,10 +6,10 @@ use comfy_table::presets;
 use rayon::prelude::*;
 
 use super::files::Outputs;
-use super::sweep::picture::{Quantity, Words, picture};
+use super::sweep::picture::{Labels, Quantity, picture};
 use super::sweep::{Axis, values};
 use super::{NODE, SceneArguments, check_overrides, count, one_more, print, progress};
-use crate::accuracy::{Statements, run_as_it_is, tell_warnings};
+use crate::accuracy::{Statements, print_warnings, run_as_it_is};
 use crate::attractors::{self, Place, UNSETTLED, branches, ends, failed, settled};
 use crate::method::Failure;
 use crate::name::Name;
@@ -82,12 +82,12 @@ pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
         let powers = starts.iter().skip(1).map(power).collect();
         let quantity = Quantity { name: "mean power", unit: "W", values: powers };
         let title = Name::new(file.to_string_lossy()).line();
-        let words = Words { title: &title, without: "the run failed", marked: (&[], "") };
+        let words = Labels { title: &title, without: "the run failed", marked: (&[], "") };
         if let Some(picture) = picture(words, &axes, &[quantity]) {
             outputs.keep(path, picture.of_file(path)?);
         }
     }
-    tell_warnings(&Statements::of(&outcomes).fields(&doubts));
+    print_warnings(&Statements::of(&outcomes).fields(&doubts));
     print(&text(&found, &outcomes, &doubts, *format))?;
     outputs.ended()
 }

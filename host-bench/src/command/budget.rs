@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::files::{Outputs, make_folder, report_folder};
 use super::{Watch, check_overrides, count, print};
-use crate::accuracy::{Statements, run_as_it_is, tell_warnings};
+use crate::accuracy::{Statements, print_warnings, run_as_it_is};
 use crate::budget::outcome::Source;
 use crate::budget::{income, picture, simulate};
 use crate::method::{Failure, Precision};
@@ -73,7 +73,7 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
         (income::by_level(&scene, &node, &options, &mut statements)?, None)
     };
     let stated = statements.fields(&[]);
-    tell_warnings(&stated);
+    print_warnings(&stated);
     let in_loop = is_looped.then_some((&scene, &options));
     let day = simulate(&node, &income, learning_days, arguments.precision, in_loop)?;
     drop(watch);

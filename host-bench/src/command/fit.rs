@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::files::Outputs;
 use super::{NODE, SceneArguments, check_keys, check_overrides, count, print, progress};
-use crate::accuracy::tell_warnings;
-use crate::fit::{self, Found, Request, free::Asked};
+use crate::accuracy::print_warnings;
+use crate::fit::{self, FitResult, Request, free::Asked};
 use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::Format;
@@ -73,7 +73,7 @@ pub fn json(arguments: &FitArguments) -> Result<String, Failure> {
 }
 
 /// Fits. Returns the files after they were written, too.
-fn fitted(arguments: &FitArguments) -> Result<(Found, Outputs), Failure> {
+fn fitted(arguments: &FitArguments) -> Result<(FitResult, Outputs), Failure> {
     let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
     let (scene, table) = scene_file::read_with_fit(file, overrides)?;
     let (free, huber) = (arguments.free(&table)?, arguments.is_huber(&table)?);
@@ -99,7 +99,7 @@ fn fitted(arguments: &FitArguments) -> Result<(Found, Outputs), Failure> {
     let found = fit::fit(&request, &scene, &done);
     bar.finish_and_clear();
     let found = found?;
-    tell_warnings(&found.statements.fields(&found.warnings));
+    print_warnings(&found.statements.fields(&found.warnings));
     arguments.write(&outputs, &found)?;
     Ok((found, outputs))
 }
@@ -147,7 +147,7 @@ impl FitArguments {
     }
 
     /// Writes the pictures, and the fitted scene where there is one.
-    fn write(&self, outputs: &Outputs, found: &Found) -> Result<(), Failure> {
+    fn write(&self, outputs: &Outputs, found: &FitResult) -> Result<(), Failure> {
         let SceneArguments { scene: file, overrides, .. } = &self.scene;
         let name = Name::of_file(file).line();
         let is_written = unwritten(found).is_none();
@@ -164,7 +164,7 @@ impl FitArguments {
 }
 
 /// The end of a fit that is no result.
-fn ended(found: &Found, output: Option<&Path>) -> Result<(), Failure> {
+fn ended(found: &FitResult, output: Option<&Path>) -> Result<(), Failure> {
     if !found.converged {
         return Err(Failure::Step("the fit has not converged; the best point so far is printed".to_owned()));
     }
@@ -175,7 +175,7 @@ fn ended(found: &Found, output: Option<&Path>) -> Result<(), Failure> {
 }
 
 /// Why there is no fitted scene.
-fn unwritten(found: &Found) -> Option<&'static str> {
+fn unwritten(found: &FitResult) -> Option<&'static str> {
     match found {
         found if !found.converged => Some("the fit has not converged"),
         found if !found.is_identifiable() => Some("the data do not determine all free keys"),

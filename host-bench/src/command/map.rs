@@ -8,15 +8,15 @@ use serde_json::json;
 
 use super::files::Outputs;
 use super::{NODE, SceneArguments, Unused, check_overrides, count, one_more, print, progress, set_option};
-use crate::accuracy::tell_warnings;
-use crate::map::{self, Agreement, Heard, Map, Request, Said, Step};
+use crate::accuracy::print_warnings;
+use crate::map::{self, Agreement, Detected, Map, Prediction, Request, Step};
 use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::{self, Fields, text};
 use crate::scene_file;
 
 /// What a map should keep: the 90th percentile of the relative error at most, and at least the share of the places at which
-/// the bounds hold, and that of the places far from a boundary at which it tells the motions that there are. That of the median
+/// the bounds hold, and that of the places far from a boundary at which its motions are those of the model. That of the median
 /// is `--error`.
 const TARGETS: [f64; 3] = [0.08, 0.95, 0.99];
 /// Keys that a map does not use.
@@ -74,7 +74,7 @@ pub struct MapArguments {
     /// Write the map into this file: .rs constants for firmware, .bin bytes; and a picture beside it
     #[arg(long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write a picture of the first slice (.svg), or a page of all slices with zoom and the yield at the pointer (.html)
+    /// Write a picture of the first slice (.svg), or a page of all slices with zoom and the output power at the pointer (.html)
     #[arg(long, value_name = "FILE.svg|.html")]
     picture: Option<PathBuf>,
 }
@@ -117,7 +117,7 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
         .chain(beside(found.axes.centre_hz, request.frequencies))
         .collect();
     let stated = found.statements.fields(&warnings);
-    tell_warnings(&stated);
+    print_warnings(&stated);
     let mut numbers = fields(&found, scene.name());
     if let Some((slice, frequency, amplitude, income)) = map::best(&found)? {
         let name = if request.voltages.is_empty() { "largest_income_w" } else { "largest_income_a" };
@@ -131,9 +131,10 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     if arguments.inputs > 0 {
         let bar = progress(arguments.inputs);
         let options = &arguments.scene.options;
-        let heard = map::heard(&scene, &found, arguments.inputs, request.seed, options, &|| one_more(&bar))?;
+        let detected =
+            map::detected(&scene, &found, arguments.inputs, request.seed, options, &|| one_more(&bar))?;
         bar.finish_and_clear();
-        numbers.extend(inputs(&heard));
+        numbers.extend(inputs(&detected));
     }
     numbers.extend(stated);
     print(&text(&numbers, arguments.scene.format))?;
@@ -173,7 +174,7 @@ fn missed(agreement: &Agreement, median: f64) -> impl Iterator<Item = String> {
             "a yield outside them is more likely than they say",
         ),
         share(
-            "far from the boundaries the motions that the map tells are right",
+            "far from the boundaries the motions of the map are right",
             agreement.regime_right,
             regime,
             "a node may count on a motion that is not there",
@@ -194,23 +195,23 @@ fn beside(resonance_hz: f64, [from, to]: [f64; 2]) -> Option<String> {
 }
 
 /// How what a node says of random inputs agrees with the trajectories, for each kind.
-fn inputs(heard: &[Heard]) -> Fields {
+fn inputs(detected: &[Detected]) -> Fields {
     let mut all = Fields::default();
     for (kind, name) in map::KINDS.into_iter().zip(["line", "two_lines", "noise"]) {
-        let of_kind = heard.iter().filter(|heard| heard.kind == kind && heard.truth > 0.0);
+        let of_kind = detected.iter().filter(|detected| detected.kind == kind && detected.truth > 0.0);
         let (mut errors, mut either, mut holds, mut flagged, mut silent) = (Vec::new(), 0, 0_u32, 0, 0);
-        for Heard { truth, said, .. } in of_kind {
-            match *said {
-                Said::Known { value, low, high } => {
+        for Detected { truth, prediction, .. } in of_kind {
+            match *prediction {
+                Prediction::Known { value, low, high } => {
                     holds += u32::from((low..=high).contains(truth));
                     errors.push((value / truth - 1.0).abs());
                 }
-                Said::Either { low, high } => {
+                Prediction::Either { low, high } => {
                     holds += u32::from((low..=high).contains(truth));
                     either += 1;
                 }
-                Said::Beyond => flagged += 1,
-                Said::Nothing => silent += 1,
+                Prediction::Beyond => flagged += 1,
+                Prediction::Nothing => silent += 1,
             }
         }
         errors.sort_by(f64::total_cmp);
@@ -312,8 +313,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_missed_target_warns_and_no_kept_one() {
-        let kept = Agreement {
+    fn each_missed_target_warns_and_no_met_one() {
+        let met = Agreement {
             places: 300,
             median: 0.02,
             percentile_90: 0.08,
@@ -323,27 +324,27 @@ mod tests {
             far_places: 200,
             median_bounds_ratio: 1.5,
         };
-        assert_eq!(missed(&kept, 0.02).count(), 0);
+        assert_eq!(missed(&met, 0.02).count(), 0);
         for (missing, words) in [
             (
-                Agreement { median: 0.021, ..kept },
+                Agreement { median: 0.021, ..met },
                 "the median of the relative error is 2.10 %, the target is 2 %",
             ),
             (
-                Agreement { percentile_90: 0.87, ..kept },
+                Agreement { percentile_90: 0.87, ..met },
                 "the 90th percentile of the relative error is 87.00 %",
             ),
             (
-                Agreement { bounds_hold: 0.924, ..kept },
+                Agreement { bounds_hold: 0.924, ..met },
                 "the bounds hold at 92.4 % of the places, the target is 95 %",
             ),
             (
-                Agreement { regime_right: 0.98, ..kept },
+                Agreement { regime_right: 0.98, ..met },
                 "are right at 98.0 % of the places, the target is 99 %",
             ),
         ] {
-            let told: Vec<String> = missed(&missing, 0.02).collect();
-            assert!(told.len() == 1 && told[0].contains(words), "{told:?}");
+            let texts: Vec<String> = missed(&missing, 0.02).collect();
+            assert!(texts.len() == 1 && texts[0].contains(words), "{texts:?}");
         }
     }
 

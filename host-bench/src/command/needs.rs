@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::files::Outputs;
 use super::map::Range;
-use super::{NODE, check_overrides, json_text, one_more, print, progress, set_option, tell};
+use super::{NODE, check_overrides, json_text, one_more, print, print_line, progress, set_option};
 use crate::method::{Failure, Options, Precision};
 use crate::name::Name;
 use crate::needs::{
@@ -76,7 +76,7 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     }
     let study = Study::with_corners(&scene, &corners(arguments, &scene)?, accuracy)?;
     for warning in &study.full.warnings {
-        tell(&format!("warning: {warning}"));
+        print_line(&format!("warning: {warning}"));
     }
     let bar = progress(1);
     let counted = |count: usize| {

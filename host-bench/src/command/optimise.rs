@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use super::files::Outputs;
 use super::fit::folder;
 use super::{
-    NODE, SceneArguments, StorageVoltage, check_keys, count, json_text, one_more, print, progress, tell,
+    NODE, SceneArguments, StorageVoltage, check_keys, count, json_text, one_more, print, print_line, progress,
 };
 use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
 use crate::name::Name;
-use crate::optimise::{Constraint, Found, Range, Request, Runs, most_runs, optimise, picture};
+use crate::optimise::{Constraint, Optimum, Range, Request, Runs, most_runs, optimise, picture};
 use crate::outcome::{Format, small, text};
 use crate::report::setting::margin;
 use crate::scene_file::{self, Scene};
@@ -105,12 +105,15 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outpu
     let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
     let options = Options { steady_state: arguments.steady_state, ..*options };
     options.check()?;
-    let held = arguments.storage_voltage;
-    held.check(arguments.steady_state)?;
+    let storage_voltage = arguments.storage_voltage;
+    storage_voltage.check(arguments.steady_state)?;
     let grid = grid(arguments)?;
     let keys = overrides.iter().map(|change| ("--set", change.key()));
     let keys = keys.chain(arguments.ranges.iter().map(|range| ("--over", range.key.as_str())));
-    check_keys(&keys.collect::<Vec<_>>(), &held.unused(&[NODE, ("fit", "[fit] is of the command fit")]))?;
+    check_keys(
+        &keys.collect::<Vec<_>>(),
+        &storage_voltage.unused(&[NODE, ("fit", "[fit] is of the command fit")]),
+    )?;
     let outputs = Outputs::of(file, overrides)?;
     let pictures =
         [arguments.output.as_ref().map(|path| path.with_extension("svg")), arguments.picture.clone()];
@@ -120,7 +123,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outpu
     if let Some(path) = &arguments.picture {
         outputs.check_picture("--picture", path, &["svg", "html"])?;
     }
-    let hold = |scene: &mut Scene| held.hold(scene);
+    let hold = |scene: &mut Scene| storage_voltage.hold(scene);
     scene_file::read(file, overrides)?;
     let of_margins: Option<Constraint> = arguments.keep_margins.then(|| MARGINS.parse().ok()).flatten();
     let bar = progress(0);
@@ -142,7 +145,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outpu
     let found = optimise(&request, &|count| bar.set_length(bar.position() + count as u64));
     bar.finish_and_clear();
     let found = found?;
-    found.warnings().for_each(|warning| tell(&format!("warning: {warning}")));
+    found.warnings().for_each(|warning| print_line(&format!("warning: {warning}")));
     let name = Name::of_file(file).line();
     let title = format!("{name}: {}{}", request.quantity, margin(found.outcome.margins.smallest_margin));
     let picture = picture(&found, &request, title);
@@ -177,9 +180,9 @@ fn grid(arguments: &OptimiseArguments) -> Result<usize, Failure> {
 }
 
 /// The best values for a scene file.
-fn entries(found: &Found, request: &Request<'_>) -> Vec<Entry> {
+fn entries(found: &Optimum, request: &Request<'_>) -> Vec<Entry> {
     let sought = if request.is_largest { "largest" } else { "smallest" };
-    let values = Found::values(request, &found.best).into_iter().zip(&found.flat);
+    let values = Optimum::values(request, &found.best).into_iter().zip(&found.flat);
     let entry = |((key, value), [low, high]): ((String, f64), &[f64; 2])| Entry {
         key,
         value,
@@ -189,7 +192,7 @@ fn entries(found: &Found, request: &Request<'_>) -> Vec<Entry> {
 }
 
 /// The result without the numbers of the best run; each constraint as a field of its own.
-fn short(found: &Found, request: &Request<'_>) -> serde_json::Map<String, serde_json::Value> {
+fn short(found: &Optimum, request: &Request<'_>) -> serde_json::Map<String, serde_json::Value> {
     let mut all = found.json(request);
     all.remove("result");
     for constraint in all.get_mut("constraints").and_then(|all| all.as_array_mut()).into_iter().flatten() {
@@ -199,13 +202,13 @@ fn short(found: &Found, request: &Request<'_>) -> serde_json::Map<String, serde_
     all
 }
 
-fn for_people(found: &Found, request: &Request<'_>) -> String {
+fn for_people(found: &Optimum, request: &Request<'_>) -> String {
     let json = found.json(request);
     let number = |key: &str| json.get(key).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
     let mut text = String::new();
     let sought = if request.is_largest { "largest" } else { "smallest" };
     let _ = writeln!(text, "{sought} {}: {:.6e}", request.quantity, number("value"));
-    let values = Found::values(request, &found.best).into_iter().zip(&found.flat);
+    let values = Optimum::values(request, &found.best).into_iter().zip(&found.flat);
     for ((key, value), [low, high]) in values {
         let bound = if json["at_bound"][&key] == true { ", at its bound" } else { "" };
         let _ = writeln!(text, "  {key} = {value:.6e}{bound}, within 1 % of it from {low:.4e} to {high:.4e}");
@@ -216,7 +219,7 @@ fn for_people(found: &Found, request: &Request<'_>) -> String {
             let name = constraint["constraint"].as_str().unwrap_or_default();
             let _ = writeln!(text, "subject to {name}: {}{active}", constraint["value"]);
         }
-        let place = Found::values(request, without);
+        let place = Optimum::values(request, without);
         let place: Vec<String> =
             place.into_iter().map(|(key, value)| format!("{key} = {value:.4e}")).collect();
         let _ = writeln!(

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{NODE, Watch, check_keys, note, print, tell};
-use crate::accuracy::{Statements, tell_warnings};
+use super::{NODE, Watch, check_keys, note, print, print_line};
+use crate::accuracy::{Statements, print_warnings};
 use crate::method::{Failure, Options};
 use crate::motion::{self, LogAxis, Series, View, Wanted};
 use crate::report::setting::{margin, setting};
@@ -87,7 +87,7 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
     let span_s = span(arguments, first)?;
     let every_s = motion::every_s(first, span_s);
     if let Some(text) = motion::unresolved(first, every_s) {
-        tell(&format!("warning: {text}"));
+        print_line(&format!("warning: {text}"));
     }
     let options = Options { trace_every_s: Some(every_s), ..arguments.options };
     options.check()?;
@@ -127,7 +127,7 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
         logarithmic: &arguments.log,
         ..usual
     };
-    tell_warnings(&stated.fields(&[]));
+    print_warnings(&stated.fields(&[]));
     let picture = motion::picture(&wanted, &series)?.of_file(&file)?;
     if arguments.output.is_none() {
         make_folder(&report_folder())?;

@@ -6,7 +6,7 @@ use serde_json::json;
 use super::{
     NODE, SceneArguments, StorageVoltage, Unused, check_overrides, count, one_more, print, progress,
 };
-use crate::accuracy::{Statements, tell_warnings};
+use crate::accuracy::{Statements, print_warnings};
 use crate::closed_form::undamped_frequencies;
 use crate::embedded::{Search, best_resistance, search, search as peaks};
 use crate::method::{Failure, Options};
@@ -85,7 +85,7 @@ pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
         named
     };
     bar.finish_and_clear();
-    tell_warnings(&found);
+    print_warnings(&found);
     print(&text(&found, arguments.scene.format))
 }
 
@@ -114,7 +114,7 @@ fn stated(
 /// There is nothing to follow.
 fn no_orbit([from, to]: [f64; 2]) -> Failure {
     Failure::Step(format!(
-        "no stable orbit of one period from {from} to {to} Hz: `run --steady-state` at one frequency tells what shooting \
+        "no stable orbit of one period from {from} to {to} Hz: `run --steady-state` at one frequency prints what shooting \
          leaves, and `sweep` without --steady-state gives the response of the runs"
     ))
 }

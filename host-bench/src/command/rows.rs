@@ -166,7 +166,7 @@ mod tests {
         }
         for (text, reason) in [("number,cell\n1,a\n", "of an earlier version"), ("a,b\n", "is another")] {
             fs::write(&path, text).expect("a file");
-            assert!(open(&path).is_err_and(|told| told.contains(reason)), "{text}");
+            assert!(open(&path).is_err_and(|error| error.contains(reason)), "{text}");
             assert_eq!(fs::read_to_string(&path).expect("it is there"), text);
         }
         assert_eq!(fs::read_dir(&folder).expect("the folder").count(), 1, "nothing is left beside it");

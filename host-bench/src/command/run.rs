@@ -6,10 +6,10 @@ use serde_json::json;
 
 use super::files::Outputs;
 use super::{
-    NODE, SceneArguments, StorageVoltage, Unused, Watch, check_overrides, count, one_more, print, progress,
-    tell,
+    NODE, SceneArguments, StorageVoltage, Unused, Watch, check_overrides, count, one_more, print, print_line,
+    progress,
 };
-use crate::accuracy::{imbalance, run_with_accuracy, tell_warnings};
+use crate::accuracy::{imbalance, print_warnings, run_with_accuracy};
 use crate::attractors::add_branches;
 use crate::closed_form::estimate;
 use crate::method::{Failure, Options, Precision};
@@ -63,11 +63,11 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         ..arguments.scene.options
     };
     options.check()?;
-    let held = arguments.storage_voltage;
-    held.check(arguments.steady_state)?;
+    let storage_voltage = arguments.storage_voltage;
+    storage_voltage.check(arguments.steady_state)?;
     let mut scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
-    check_overrides(&arguments.scene.overrides, &held.unused(&[NODE]))?;
-    held.hold(&mut scene)?;
+    check_overrides(&arguments.scene.overrides, &storage_voltage.unused(&[NODE]))?;
+    storage_voltage.hold(&mut scene)?;
     let outputs = Outputs::of(&arguments.scene.scene, &arguments.scene.overrides)?;
     if let Some(file) = &arguments.trace {
         outputs.check("--trace", file)?;
@@ -107,7 +107,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         outputs.keep(file, recording.csv());
     }
     for warning in &outcome.warnings {
-        tell(&format!("warning: {warning}"));
+        print_line(&format!("warning: {warning}"));
     }
     print(&outcome.text(arguments.scene.format))?;
     outputs.ended()
@@ -120,7 +120,7 @@ fn run_seeds(arguments: &RunArguments, scene: &Scene, options: &Options, count: 
     let found = Statistics::of(scene, options, &seeds, !arguments.no_accuracy, || one_more(&bar));
     bar.finish_and_clear();
     let found = found?;
-    tell_warnings(&found.stated);
+    print_warnings(&found.stated);
     print(&found.text(arguments.scene.format)?)
 }
 

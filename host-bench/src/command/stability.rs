@@ -173,7 +173,7 @@ fn judged(
     let bar = progress(left.len());
     let mut groups: Vec<&[(usize, &Case)]> =
         left.chunk_by(|(_, one), (_, other)| one.is_twin_of(other)).collect();
-    // Cases of like cost are beside each other: shuffled, the time that is left can be told from the time that is gone.
+    // Cases of like cost are beside each other: shuffled, the time that is left follows from the time that is gone.
     groups.sort_by_key(|group| group.first().map_or(0, |(number, _)| (*number as u64).wrapping_mul(SHUFFLE)));
     let new: Result<Vec<Vec<Row>>, Failure> = groups
         .into_par_iter()
@@ -250,7 +250,7 @@ mod tests {
         assert_eq!(taken_up(3), Ok(3));
         assert_eq!(fs::read_to_string(&path).expect("is there"), format!("{whole}\n"));
         assert_eq!(judged(&cases(3), |_| EFFORT, Some(&path)), Ok(all));
-        assert!(taken_up(4).is_err_and(|told| told.contains("another case")));
+        assert!(taken_up(4).is_err_and(|error| error.contains("another case")));
         let of_another = |line: &str| {
             let row = line.rsplit_once(',').expect("a checksum").0.replace(build(), "0.0.9-unknown");
             format!("{row},{:016x}\n", fnv_1a(row.as_bytes()))

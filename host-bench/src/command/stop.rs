@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::sweep::{Axis, check_axes, values};
-use super::{NODE, SceneArguments, check_keys, print, progress, tell};
+use super::{NODE, SceneArguments, check_keys, print, print_line, progress};
 use crate::accuracy::run_with_steps;
 use crate::method::{Failure, Method, Options};
 use crate::outcome::{self, Fields, Outcome, number};
@@ -128,7 +128,9 @@ pub fn run(arguments: &StopArguments) -> Result<(), Failure> {
     })?;
     bar.finish_and_clear();
     for row in &rows {
-        row.warnings.iter().for_each(|warning| tell(&format!("warning: {}: {warning}", row.place(axes))));
+        row.warnings
+            .iter()
+            .for_each(|warning| print_line(&format!("warning: {}: {warning}", row.place(axes))));
     }
     let rows = Rows(rows.iter().map(|row| fields(axes, row, &rows)).collect());
     print(&rows.text(arguments.scene.format, |rows| table(axes, rows)))
@@ -145,9 +147,9 @@ fn rows(arguments: &StopArguments, count: usize) -> Result<Vec<Row>, Failure> {
             axes.iter().zip(&values).map(|(axis, at)| Override::new(&axis.key, &number(*at)).by("--over")),
         );
         let scene = scene_file::read(&arguments.scene.scene, &overrides)?;
-        let kept = without_stop(axes, &values);
-        if !free.iter().any(|row| row.values == kept) {
-            free.push(Row::new(kept, false, unstopped(&scene)?));
+        let shared = without_stop(axes, &values);
+        if !free.iter().any(|row| row.values == shared) {
+            free.push(Row::new(shared, false, unstopped(&scene)?));
         }
         let values = values.into_iter().map(Some).collect();
         stopped.push(Row::new(values, true, scene));
@@ -158,8 +160,8 @@ fn rows(arguments: &StopArguments, count: usize) -> Result<Vec<Row>, Failure> {
 
 /// The values of the axes that are not of the stop.
 fn without_stop(axes: &[Axis], values: &[f64]) -> Vec<Option<f64>> {
-    let kept = |(axis, value): (&Axis, &f64)| (!contains("stop", &axis.key)).then_some(*value);
-    axes.iter().zip(values).map(kept).collect()
+    let shared = |(axis, value): (&Axis, &f64)| (!contains("stop", &axis.key)).then_some(*value);
+    axes.iter().zip(values).map(shared).collect()
 }
 
 /// The scene without its stop.
@@ -201,8 +203,8 @@ fn fields(axes: &[Axis], row: &Row, rows: &[Row]) -> Fields {
     fields.insert("with_stop".to_owned(), row.with_stop.into());
     fields.extend(row.numbers.clone());
     let values: Vec<f64> = row.values.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
-    let kept = without_stop(axes, &values);
-    let free = rows.iter().find(|other| row.with_stop && !other.with_stop && other.values == kept);
+    let shared = without_stop(axes, &values);
+    let free = rows.iter().find(|other| row.with_stop && !other.with_stop && other.values == shared);
     for [name, part] in COMPARED {
         let saved = free.and_then(|free| {
             let [without, with] = [free, row].map(|row| row.numbers.get(name).and_then(Value::as_f64));

@@ -1,9 +1,9 @@
 //! `sweep`: a scene over a grid of values, on all cores.
 
 mod axis;
+mod messages;
 pub(super) mod picture;
 mod rows;
-mod told;
 
 use std::path::{Path, PathBuf};
 
@@ -12,11 +12,11 @@ use rayon::prelude::*;
 use serde_json::json;
 
 pub use self::axis::Axis;
-use self::picture::{Quantity, Words, picture};
+use self::messages::{best, best_text, doubt, is_of_accuracy, warnings};
+use self::picture::{Labels, Quantity, picture};
 use self::rows::{ROWS, Rows};
-use self::told::{best, doubt, is_of_accuracy, told_best, warnings};
 use super::files::{Outputs, make_folder};
-use super::{NODE, SceneArguments, StorageVoltage, check_keys, is_quiet, note, print, progress, tell};
+use super::{NODE, SceneArguments, StorageVoltage, check_keys, is_quiet, note, print, print_line, progress};
 use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
 use crate::method::{Failure, Options};
@@ -27,7 +27,7 @@ use crate::rows::{Column, Digits};
 use crate::run::{run_scene, stopped_as_text};
 use crate::scene_file::{self, Override, Scene};
 use crate::stability::{build, fnv_1a};
-use told::{Compared, compared};
+use messages::{Compared, compared};
 
 /// Most points of a grid.
 const MOST: usize = 1_000_000;
@@ -51,7 +51,7 @@ pub struct SweepArguments {
     steady_state: bool,
     #[command(flatten)]
     storage_voltage: StorageVoltage,
-    /// Make the runs as well, and tell on standard error how much longer they take
+    /// Make the runs as well, and print on standard error how much longer they take
     #[arg(long, requires = "steady_state")]
     compare: bool,
     /// Run each point once only: without the accuracy statement, and a bump-stop scene with its default steps
@@ -113,7 +113,7 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
         .collect();
     bar.finish_and_clear();
     let points = points?;
-    tell_of(arguments, &options, &points);
+    print_notes(arguments, &options, &points);
     if let Some(folder) = &arguments.output {
         write(arguments, folder, &outputs, &points)?;
     }
@@ -129,19 +129,19 @@ pub fn run(arguments: &SweepArguments) -> Result<(), Failure> {
     none_failed(axes, &points)
 }
 
-/// Tells on standard error of all points: the costs, the warnings, and the best point.
-fn tell_of(arguments: &SweepArguments, options: &Options, points: &[Point]) {
+/// Prints on standard error the costs of all points, the warnings, and the best point.
+fn print_notes(arguments: &SweepArguments, options: &Options, points: &[Point]) {
     let axes = &arguments.axes;
-    if let Some(costs) = told::costs(points.iter().filter_map(|point| point.compared.as_ref())) {
+    if let Some(costs) = messages::costs(points.iter().filter_map(|point| point.compared.as_ref())) {
         note(&costs);
     }
     for warning in warnings(axes, points) {
-        tell(&format!("warning: {warning}"));
+        print_line(&format!("warning: {warning}"));
     }
     if let (Format::Table, false, Some(best)) = (arguments.scene.format, is_quiet(), best(points)) {
-        note(&told_best(axes, best));
+        note(&best_text(axes, best));
         if let Some(doubt) = doubt(arguments, options, best) {
-            tell(&format!("warning: {doubt}"));
+            print_line(&format!("warning: {doubt}"));
         }
     }
 }
@@ -262,7 +262,7 @@ fn write(
     let title = format!("{file}, {}: {parameters}{}", method.unwrap_or("no run"), margin(smallest));
     let is_of_a_run = |point: &Point| point.text("steady_state").is_some_and(|verdict| verdict != STABLE);
     let unstable: Vec<bool> = points.iter().map(is_of_a_run).collect();
-    let words = Words {
+    let words = Labels {
         title: &title,
         without: "the run failed",
         marked: (&unstable, "no stable orbit: of the run"),

@@ -120,7 +120,7 @@ fn beside_peers(_: &WorkPrecisionArguments, _: &[String]) -> Result<(), Failure>
 #[cfg(feature = "peers")]
 fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<(), Failure> {
     use super::files::Outputs;
-    use super::{SHIPPED_SCENES, tell};
+    use super::{SHIPPED_SCENES, print_line};
     use crate::work_precision::peers;
 
     let cases = peers::cases(names)?;
@@ -133,7 +133,7 @@ fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<
     }
     let bar = progress(cases.len());
     let compared = |case| {
-        let comparison = peers::compare(case, &|line| bar.suspend(|| tell(line)));
+        let comparison = peers::compare(case, &|line| bar.suspend(|| print_line(line)));
         one_more(&bar);
         comparison
     };

@@ -3,7 +3,7 @@
 use super::runs::{NEAR_RESONANCE, PAPER, each, each_of, scene, value};
 use super::statistics::{largest, smallest, spread};
 use super::{Bound::*, Measured, check};
-use crate::figures::bump_stop::convergence::{self as figures, Found};
+use crate::figures::bump_stop::convergence::{self as figures, ConvergenceRun};
 use crate::method::{Failure, Options};
 use crate::run::run_scene;
 use crate::scene_file::{Contact, Scene};
@@ -18,14 +18,14 @@ const STEPS_S: [f64; 3] = [1e-6, 5e-7, 2.5e-7];
 const LONG_STEP_S: f64 = 2e-5;
 
 /// Runs a scene with numbers of modes of beam and rod and a step near contact in s.
-fn found(name: &str, modes: (usize, usize), step_s: f64) -> Result<Found, Failure> {
+fn found(name: &str, modes: (usize, usize), step_s: f64) -> Result<ConvergenceRun, Failure> {
     let scene = scene(name, &[])?;
     let options = Options { step_s: Some(step_s), long_step_s: Some(LONG_STEP_S), ..Options::default() };
     figures::found(&scene, modes, Contact::ResidualFlexibility, scene.run, &options)
 }
 
 /// Largest less smallest value over the smallest.
-fn relative_spread(found: &[Found], of: fn(&Found) -> f64) -> f64 {
+fn relative_spread(found: &[ConvergenceRun], of: fn(&ConvergenceRun) -> f64) -> f64 {
     spread(found.iter().map(of)) / smallest(found.iter().map(of))
 }
 
@@ -47,10 +47,11 @@ pub(super) fn measure() -> Result<Measured, Failure> {
     let tip = all.split_off(all.len() - MODES.len());
     let near = all.split_off(finer.len());
     let mut steps = all;
-    let voltage = |found: &Found| found.rms_voltage;
-    let force = |found: &Found| found.mean_force;
-    let spreads = |of: fn(&Found) -> f64| [&tip, &mid].map(|found| relative_spread(&found[CONVERGED..], of));
-    let contacts = |found: &[Found]| {
+    let voltage = |found: &ConvergenceRun| found.rms_voltage;
+    let force = |found: &ConvergenceRun| found.mean_force;
+    let spreads =
+        |of: fn(&ConvergenceRun) -> f64| [&tip, &mid].map(|found| relative_spread(&found[CONVERGED..], of));
+    let contacts = |found: &[ConvergenceRun]| {
         let counts = || found.iter().map(|found| found.contacts_per_period);
         largest(counts()) / smallest(counts())
     };

@@ -293,7 +293,7 @@ fn trace(table: &Table<'_>, scene: &Scene) -> Result<Data, Failure> {
     if !(spacing_s > 0.0) {
         return table.refuse("time_s: must rise");
     }
-    // The row after a gap is told, not the first one that lies beside the mean line.
+    // The message names the row after a gap, not the first one that lies beside the mean line.
     let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let uneven = |usual: f64| steps.iter().position(|step| !((step - usual).abs() <= UNEVEN * usual));
     let mut sorted = steps.clone();

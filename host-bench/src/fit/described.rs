@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::data::Rows;
 use super::lines::groups;
 use super::model::Problem;
-use super::result::{self, Found};
+use super::result::{self, FitResult};
 use super::solve::{Loss, Solved};
 use super::uncertainty::{Runs, Uncertainty, Unfollowed};
 use super::weights::{self, Weighting, Weights};
@@ -29,7 +29,7 @@ pub(super) fn described(
     loss: Loss,
     solved: &Solved,
     step: f64,
-) -> Found {
+) -> FitResult {
     let measured = problem.measured();
     let sigma = weights.sigma();
     let values = &solved.evaluation.values;
@@ -64,7 +64,7 @@ pub(super) fn described(
     if loss == Loss::Squares && !weights.all_given() {
         uncertainty.widen(&columns, &residuals, variance);
     }
-    let mut found = Found::new(problem, solved, &uncertainty, &is_free, freedom);
+    let mut found = FitResult::new(problem, solved, &uncertainty, &is_free, freedom);
     found.reduced_chi_squared = reduced.filter(|_| weights.all_given());
     found.relative_residual = relative_residuals(problem, values);
     found.unfollowed = Unfollowed::of(problem, solved, &found.relative_residual);
@@ -88,7 +88,7 @@ fn warnings(
     request: &Request<'_>,
     weights: &Weights,
     solved: &Solved,
-    found: &Found,
+    found: &FitResult,
 ) -> Vec<String> {
     let mut all = Vec::new();
     all.extend(found.unfollowed.iter().map(Unfollowed::text));
@@ -157,9 +157,9 @@ fn without_orbit(problem: &Problem<'_>, solved: &Solved) -> Option<String> {
 }
 
 /// A warning for each measured column without standard deviations whose residuals hang together.
-fn systematic(problem: &Problem<'_>, solved: &Solved, found: &Found) -> Vec<String> {
+fn systematic(problem: &Problem<'_>, solved: &Solved, found: &FitResult) -> Vec<String> {
     let large = found.relative_residual.iter().filter(|(_, residual)| *residual > SMALL);
-    let told = large.filter_map(|(name, _)| {
+    let texts = large.filter_map(|(name, _)| {
         let mut runs = Runs::default();
         for (file, data) in problem.data.iter().enumerate() {
             let columns = data.columns.iter().enumerate();
@@ -179,5 +179,5 @@ fn systematic(problem: &Problem<'_>, solved: &Solved, found: &Found) -> Vec<Stri
             )
         })
     });
-    told.collect()
+    texts.collect()
 }

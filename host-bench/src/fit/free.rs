@@ -136,7 +136,7 @@ pub(crate) fn of_key(file: &Path, overrides: &[Override], asked: &Asked) -> Resu
         return Err(refuse(format!("the scene's {start} must be finite to start from")));
     }
     let is_chosen = given.is_some() || asked.bounds.is_some();
-    // A value that nobody gave is not told.
+    // A default value is not printed.
     read(start).map_err(|error| if is_chosen { error } else { error.without_value() })?;
     if !is_chosen && !asked.key.starts_with("initial.") {
         return Err(refuse(

@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::result::{Curve as Column, Found};
+use super::result::{Curve as Column, FitResult};
 use crate::method::Failure;
 use crate::motion::quantity;
 use crate::outcome::Format;
@@ -17,7 +17,7 @@ const MOST: usize = 8;
 const POINTS: usize = 20_000;
 
 /// The picture with the numbers below.
-pub(crate) fn picture(found: &Found, title: &str) -> Result<Picture, Failure> {
+pub(crate) fn picture(found: &FitResult, title: &str) -> Result<Picture, Failure> {
     let columns = &found.curves[..found.curves.len().min(MOST)];
     Ok(Picture {
         title: format!("Fit of {title}"),

@@ -45,7 +45,7 @@ pub(crate) struct Curve {
 
 /// The result of a fit.
 #[derive(Debug, Clone)]
-pub(crate) struct Found {
+pub(crate) struct FitResult {
     pub(crate) scene: &'static str,
     pub(crate) converged: bool,
     pub(crate) parameters: Vec<Parameter>,
@@ -65,7 +65,7 @@ pub(crate) struct Found {
     pub(crate) curves: Vec<Curve>,
 }
 
-impl Found {
+impl FitResult {
     pub(super) fn new(
         problem: &Problem<'_>,
         solved: &Solved,
@@ -228,7 +228,7 @@ pub(super) fn product(combination: &Combination) -> String {
 }
 
 /// The result as text, line break at its end included.
-pub(crate) fn text(found: &Found, format: Format) -> Result<String, Failure> {
+pub(crate) fn text(found: &FitResult, format: Format) -> Result<String, Failure> {
     match format {
         Format::Json => json_text(&found.json()),
         Format::Csv => Ok(rows(found).csv()),
@@ -237,7 +237,7 @@ pub(crate) fn text(found: &Found, format: Format) -> Result<String, Failure> {
 }
 
 /// A row for each parameter.
-fn rows(found: &Found) -> Rows {
+fn rows(found: &FitResult) -> Rows {
     let stated = found.statements.fields(&found.warnings);
     let row = |parameter: &Parameter| {
         let Parameter { key, value, standard_error, interval_95, start, at_bound, .. } = parameter;
@@ -263,7 +263,7 @@ const COLUMNS: [Column<'_>; 7] = [
     ("", "at_bound", Digits::Choice(["", "at its bound"])),
 ];
 
-fn for_people(found: &Found) -> String {
+fn for_people(found: &FitResult) -> String {
     let mut text = rows(found).table(presets::ASCII_MARKDOWN, &COLUMNS, 1);
     text.push('\n');
     for (name, value) in &found.relative_residual {

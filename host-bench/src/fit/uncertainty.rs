@@ -30,8 +30,8 @@ impl Uncertainty {
     pub(crate) fn of(columns: &[DVector<f64>], free: &[bool], variance: f64) -> Self {
         let count = columns.len();
         let mut covariance = DMatrix::zeros(count, count);
-        let held = |index: &usize| free[*index];
-        let indices: Vec<usize> = (0..count).filter(held).collect();
+        let is_free = |index: &usize| free[*index];
+        let indices: Vec<usize> = (0..count).filter(is_free).collect();
         let lengths: Vec<f64> = columns.iter().map(|column| column.norm()).collect();
         let largest = indices.iter().fold(0.0_f64, |largest, &index| largest.max(lengths[index]));
         let mut undetermined = Vec::new();
@@ -381,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ratio_of_a_prefix_is_told_from_others() {
+    fn a_ratio_of_a_prefix_is_recognised() {
         for (ratio, expected) in [
             (1000.0, true),
             (1900.0, true),

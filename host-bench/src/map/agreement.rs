@@ -5,7 +5,7 @@ use model_core::energy::response_map::{Bounded, Branch};
 
 use super::axes::{Axes, amplitude_of, level_of};
 use super::column::BEYOND;
-use crate::embedded::Held;
+use crate::embedded::AmplitudeContinuation;
 use crate::method::Failure;
 use crate::stability::random::Source;
 
@@ -19,16 +19,16 @@ const NEAR_A_BOUNDARY: f64 = 281.6;
 /// A place with the steady motions there and what the map says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judged {
-    pub place: Place,
+    pub place: OperatingPoint,
     pub truth: Truth,
-    pub told: Response,
-    /// Relative errors of the values told for the lower and the upper motion, where both map and model have it.
+    pub predicted: Response,
+    /// Relative errors of the values for the lower and the upper motion, where both map and model have it.
     pub errors: [Option<f64>; 2],
-    /// Whether the map tells the motions that there are.
+    /// Whether the motions of the map are those of the model.
     pub regime: bool,
     /// Whether the place is more than 10 % of the amplitude from both boundaries.
     pub is_far: bool,
-    /// Whether the value of every motion that there is lies within the bounds told.
+    /// Whether the value of every motion that there is lies within the bounds of the map.
     pub holds: bool,
 }
 
@@ -52,7 +52,7 @@ pub struct Agreement {
     pub largest: f64,
     /// Share of the places at which the bounds hold.
     pub bounds_hold: f64,
-    /// Share of the places more than 10 % of the amplitude from a boundary at which the map tells the motions that there
+    /// Share of the places more than 10 % of the amplitude from a boundary at which the map has the motions that there
     /// are.
     pub regime_right: f64,
     /// Number of those places.
@@ -62,13 +62,13 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Of the places that check a map; `None` if none of them has a yield, so that there is no error.
+    /// Of the places that check a map; `None` if none of them has an output power, so that there is no error.
     pub(super) fn of(checked: &[Judged]) -> Option<Self> {
         let mut errors: Vec<f64> = checked.iter().flat_map(|judged| judged.errors).flatten().collect();
         errors.sort_by(f64::total_cmp);
         let mut ratios: Vec<f64> = checked
             .iter()
-            .filter_map(|judged| judged.told.income())
+            .filter_map(|judged| judged.predicted.income())
             .filter(|income| income.low > 0.0)
             .map(|income| f64::from(income.high / income.low))
             .collect();
@@ -94,9 +94,9 @@ impl Agreement {
     }
 }
 
-/// What is told of each motion; `None` of one that is not told.
-pub(super) fn told_of(told: &Response) -> [Option<Bounded>; 2] {
-    match *told {
+/// The value of each motion; `None` of one that the map does not have.
+pub(super) fn predicted_of(predicted: &Response) -> [Option<Bounded>; 2] {
+    match *predicted {
         Response::One { branch: Branch::Lower, income } => [Some(income), None],
         Response::One { branch: Branch::Upper, income } => [None, Some(income)],
         Response::Two { lower, upper } => [Some(lower), Some(upper)],
@@ -104,19 +104,28 @@ pub(super) fn told_of(told: &Response) -> [Option<Bounded>; 2] {
     }
 }
 
-/// Compares what a map tells with the steady motions; `boundaries` are the levels of both boundaries there.
-pub(super) fn judge(told: Response, boundaries: [f64; 2], place: Place, truth: Truth) -> Judged {
-    let of = told_of(&told);
+/// Compares the values of a map with the steady motions; `boundaries` are the levels of both boundaries there.
+pub(super) fn judge(
+    predicted: Response,
+    boundaries: [f64; 2],
+    place: OperatingPoint,
+    truth: Truth,
+) -> Judged {
+    let of = predicted_of(&predicted);
     let there = [truth.lower, truth.upper];
     let error = |index: usize| match (of[index], there[index]) {
-        (Some(told), Some(truth)) if truth > 0.0 => Some((f64::from(told.value) / truth - 1.0).abs()),
-        // All of what is told is wrong.
-        (Some(told), Some(_)) if told.value > 0.0 => Some(1.0),
+        (Some(predicted), Some(truth)) if truth > 0.0 => {
+            Some((f64::from(predicted.value) / truth - 1.0).abs())
+        }
+        // The whole value is wrong.
+        (Some(predicted), Some(_)) if predicted.value > 0.0 => Some(1.0),
         _ => None,
     };
-    let overall = told.income();
+    let overall = predicted.income();
     let within = |index: usize| match (of[index].or(overall), there[index]) {
-        (Some(told), Some(truth)) => (f64::from(told.low)..=f64::from(told.high)).contains(&truth),
+        (Some(predicted), Some(truth)) => {
+            (f64::from(predicted.low)..=f64::from(predicted.high)).contains(&truth)
+        }
         (None, Some(_)) => false,
         (_, None) => true,
     };
@@ -124,7 +133,7 @@ pub(super) fn judge(told: Response, boundaries: [f64; 2], place: Place, truth: T
     Judged {
         place,
         truth,
-        told,
+        predicted,
         errors: [error(0), error(1)],
         regime: (0..2).all(|index| of[index].is_some() == there[index].is_some()),
         is_far: boundaries.iter().all(|boundary| (at - boundary).abs() > NEAR_A_BOUNDARY),
@@ -134,7 +143,7 @@ pub(super) fn judge(told: Response, boundaries: [f64; 2], place: Place, truth: T
 
 /// The margin beside the boundaries, in levels: the farthest from one at which the regime is not as the boundaries say, at
 /// most [`MARGINS`].
-pub(super) fn margin(measured: &[(Place, Truth, [f64; 2])]) -> f64 {
+pub(super) fn margin(measured: &[(OperatingPoint, Truth, [f64; 2])]) -> f64 {
     let farthest = measured
         .iter()
         .map(|(place, truth, [rising, falling])| {
@@ -155,14 +164,14 @@ const BELOW: f64 = 2.0 * 2048.0;
 
 /// A place of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct OperatingPoint {
     pub slice: usize,
     pub frequency_hz: f64,
     /// In m/s².
     pub amplitude: f64,
 }
 
-/// The steady motions at a place: what each yields.
+/// The steady motions at a place: what each gives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truth {
     pub lower: Option<f64>,
@@ -170,7 +179,7 @@ pub struct Truth {
 }
 
 /// Places with uniform detuning and logarithm of the amplitude.
-pub(super) fn random(axes: &Axes, slices: usize, seed: u64, count: usize) -> Vec<Place> {
+pub(super) fn random(axes: &Axes, slices: usize, seed: u64, count: usize) -> Vec<OperatingPoint> {
     (0..count)
         .map(|number| {
             let mut source = Source::new(seed, number as u64);
@@ -178,31 +187,35 @@ pub(super) fn random(axes: &Axes, slices: usize, seed: u64, count: usize) -> Vec
             let amplitude = source.logarithmic(axes.amplitudes[0], axes.amplitudes[1]);
             // As a node has them.
             let [frequency_hz, amplitude] = [frequency_hz, amplitude].map(|number| f64::from(number as f32));
-            Place { slice: number % slices, frequency_hz, amplitude }
+            OperatingPoint { slice: number % slices, frequency_hz, amplitude }
         })
         .collect()
 }
 
 /// The steady motions at a place: through rising amplitudes from rest, and through falling ones from `above`, a level at
 /// which there is the upper motion only.
-pub(super) fn truth(held: &mut dyn Held, place: &Place, above: f64) -> Result<Truth, Failure> {
+pub(super) fn truth(
+    continuation: &mut dyn AmplitudeContinuation,
+    place: &OperatingPoint,
+    above: f64,
+) -> Result<Truth, Failure> {
     let at = level_of(place.amplitude);
-    held.rest();
+    continuation.rest();
     let mut rising = None;
     let mut level = at - BELOW;
     while level < at + 0.5 * STEP {
         let amplitude = if (level - at).abs() < 1e-6 { place.amplitude } else { amplitude_of(level) };
-        let motion = held.settle(amplitude)?;
+        let motion = continuation.settle(amplitude)?;
         rising = Some(motion);
         level += STEP;
     }
     let mut top = above.max(at) + STEP;
     if rising.is_none_or(|motion| !motion.is_upper) {
-        held.rest();
-        let mut motion = held.settle(amplitude_of(top))?;
+        continuation.rest();
+        let mut motion = continuation.settle(amplitude_of(top))?;
         if !motion.is_upper {
             top += BEYOND;
-            motion = held.settle(amplitude_of(top))?;
+            motion = continuation.settle(amplitude_of(top))?;
         }
         let mut level = top;
         // Whole steps end at the place.
@@ -210,7 +223,7 @@ pub(super) fn truth(held: &mut dyn Held, place: &Place, above: f64) -> Result<Tr
             let steps = ((level - at) / STEP).ceil();
             level -= (level - at) / steps;
             let amplitude = if level - at < 1e-6 { place.amplitude } else { amplitude_of(level) };
-            motion = held.settle(amplitude)?;
+            motion = continuation.settle(amplitude)?;
         }
         return Ok(Truth {
             lower: rising.map(|motion| motion.value),
@@ -230,13 +243,13 @@ mod tests {
 
     #[test]
     fn a_place_is_judged_by_every_motion_there() {
-        let place = Place { slice: 0, frequency_hz: 20.0, amplitude: 1.0 };
+        let place = OperatingPoint { slice: 0, frequency_hz: 20.0, amplitude: 1.0 };
         let at = level_of(1.0);
         let far = [at + 500.0, at + 400.0];
         let judged = judge(one(Branch::Lower, 2.0), far, place, Truth { lower: Some(1.9), upper: None });
         assert!(judged.regime && judged.holds && judged.is_far);
         assert!((judged.error().unwrap_or(0.0) - 0.1 / 1.9).abs() < 1e-6);
-        // Another motion that the map does not tell.
+        // Another motion that the map does not have.
         let judged = judge(one(Branch::Lower, 2.0), far, place, Truth { lower: Some(1.9), upper: Some(9.0) });
         assert!(!judged.regime && !judged.holds);
         // The other motion only: wrong, and within the bounds by chance.
@@ -248,11 +261,11 @@ mod tests {
     }
 
     #[test]
-    fn a_map_without_a_yield_agrees_with_nothing() {
-        let place = Place { slice: 0, frequency_hz: 20.0, amplitude: 1.0 };
+    fn a_map_without_output_agrees_with_nothing() {
+        let place = OperatingPoint { slice: 0, frequency_hz: 20.0, amplitude: 1.0 };
         let far = [level_of(1.0) + 500.0; 2];
-        let judged = |told, truth| judge(one(Branch::Lower, told), far, place, truth);
-        // A slider that sticks: the model yields nothing, and the map says so.
+        let judged = |predicted, truth| judge(one(Branch::Lower, predicted), far, place, truth);
+        // A slider that sticks: the model gives no power, and the map says so.
         let stuck = judged(0.0, Truth { lower: Some(0.0), upper: None });
         assert!(stuck.holds && stuck.regime);
         assert_eq!(Agreement::of(&[stuck; 30]), None);

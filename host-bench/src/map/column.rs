@@ -1,7 +1,7 @@
 //! The steady motions at one frequency, through rising, then through falling amplitudes, and the node values fitted to them.
 
 use super::axes::{amplitude_of, level_of};
-use crate::embedded::{Found, Held, Motion};
+use crate::embedded::{AmplitudeContinuation, Motion, MotionKind};
 use crate::method::Failure;
 
 /// Ratio of an amplitude to the next, in levels: a fifth of an octave.
@@ -42,15 +42,15 @@ struct Point {
 }
 
 impl Point {
-    fn new(held: &mut dyn Held, level: f64, motion: Motion) -> Self {
-        Self { level, motion, state: held.keep() }
+    fn new(continuation: &mut dyn AmplitudeContinuation, level: f64, motion: Motion) -> Self {
+        Self { level, motion, state: continuation.keep() }
     }
 }
 
 /// Adds points between two of one motion, in the direction of the way, until the logarithm of its value is straight between
 /// them. The state is then one of these points.
 fn refine(
-    held: &mut dyn Held,
+    continuation: &mut dyn AmplitudeContinuation,
     [from, to]: [Point; 2],
     halvings: u32,
     values: &mut Vec<(f64, f64)>,
@@ -59,32 +59,32 @@ fn refine(
     if halvings == 0 || ends == [0.0; 2] {
         return Ok(());
     }
-    held.go_back(from.state);
+    continuation.go_back(from.state);
     let level = 0.5 * (from.level + to.level);
-    let motion = held.settle(amplitude_of(level))?;
+    let motion = continuation.settle(amplitude_of(level))?;
     if motion.is_upper != from.motion.is_upper {
         return Ok(());
     }
     values.push((level, motion.value));
-    let middle = Point::new(held, level, motion);
-    // Without a yield at an end this is not finite.
+    let middle = Point::new(continuation, level, motion);
+    // Without an output power at an end this is not finite.
     let off = motion.value.log2() - 0.5 * (ends[0].log2() + ends[1].log2());
     if off.abs() < STRAIGHT {
         return Ok(());
     }
-    refine(held, [from, middle], halvings - 1, values)?;
-    refine(held, [middle, to], halvings - 1, values)
+    refine(continuation, [from, middle], halvings - 1, values)?;
+    refine(continuation, [middle, to], halvings - 1, values)
 }
 
 /// How often a step to a point is halved: not beyond the map.
 fn halvings(point: Point, [lowest, highest]: [f64; 2]) -> u32 {
     let is_inside = (lowest - STEP..=highest + STEP).contains(&point.level);
-    if is_inside { HALVINGS[usize::from(point.motion.found == Found::Mean)] } else { 0 }
+    if is_inside { HALVINGS[usize::from(point.motion.found == MotionKind::Mean)] } else { 0 }
 }
 
 /// Takes a harvester through the amplitudes.
 pub(super) fn column(
-    held: &mut dyn Held,
+    continuation: &mut dyn AmplitudeContinuation,
     frequency_hz: f64,
     amplitudes: [f64; 2],
 ) -> Result<Column, Failure> {
@@ -99,7 +99,7 @@ pub(super) fn column(
         upper: Vec::new(),
     };
     let (mut steps, mut steps_down) = (Vec::new(), Vec::new());
-    let left = rise(held, [floor, cap], &mut steps, &mut column.lower)?;
+    let left = rise(continuation, [floor, cap], &mut steps, &mut column.lower)?;
     let mut level = match left {
         Some([last, beyond]) => {
             column.rising = last.max(floor);
@@ -110,17 +110,17 @@ pub(super) fn column(
     };
     let from_rest = left.is_none();
     if from_rest {
-        held.rest();
+        continuation.rest();
     }
     // To above the map, or to the amplitude at which the upper motion was reached.
     let top = highest.max(column.rising) + STEP;
     let mut end = None;
     loop {
-        let motion = held.settle(amplitude_of(level))?;
+        let motion = continuation.settle(amplitude_of(level))?;
         // Next to the boundary a motion may have contact at one amplitude and none at the next.
         if motion.is_upper {
             column.upper.push((level, motion.value));
-            end = Some(Point::new(held, level, motion));
+            end = Some(Point::new(continuation, level, motion));
         }
         if level >= top {
             break;
@@ -128,14 +128,15 @@ pub(super) fn column(
         level = (level + STEP).min(top);
     }
     if let Some(end) = end {
-        column.falling = fall(held, end, floor, &mut steps_down, &mut column.upper)?.min(column.rising);
+        column.falling =
+            fall(continuation, end, floor, &mut steps_down, &mut column.upper)?.min(column.rising);
         column.found = left.is_some() && column.rising > floor;
     }
     // After both ways, which these points must not change.
     let map = [lowest, highest];
     for (steps, values) in [(steps, &mut column.lower), (steps_down, &mut column.upper)] {
         for step in steps {
-            refine(held, step, halvings(step[1], map), values)?;
+            refine(continuation, step, halvings(step[1], map), values)?;
         }
         values.sort_by(|one, other| one.0.total_cmp(&other.0));
         values.dedup_by(|one, other| (one.0 - other.0).abs() < 1e-6);
@@ -146,25 +147,25 @@ pub(super) fn column(
 /// Follows the lower motion from rest upwards: the level at which it was seen last, and one at which it was left. `None` if
 /// it is not left.
 fn rise(
-    held: &mut dyn Held,
+    continuation: &mut dyn AmplitudeContinuation,
     [floor, cap]: [f64; 2],
     steps: &mut Vec<[Point; 2]>,
     values: &mut Vec<(f64, f64)>,
 ) -> Result<Option<[f64; 2]>, Failure> {
-    held.rest();
+    continuation.rest();
     let mut level = floor;
     let mut last: Option<Point> = None;
     while level < cap + STEP {
         let at = level.min(cap);
-        let motion = held.settle(amplitude_of(at))?;
+        let motion = continuation.settle(amplitude_of(at))?;
         if motion.is_upper {
             let Some(mut good) = last else { return Ok(Some([floor, at])) };
-            let mut bad = Point::new(held, at, motion);
+            let mut bad = Point::new(continuation, at, motion);
             for _ in 0..BISECTIONS {
-                held.go_back(good.state);
+                continuation.go_back(good.state);
                 let middle = 0.5 * (good.level + bad.level);
-                let motion = held.settle(amplitude_of(middle))?;
-                let middle = Point::new(held, middle, motion);
+                let motion = continuation.settle(amplitude_of(middle))?;
+                let middle = Point::new(continuation, middle, motion);
                 if motion.is_upper {
                     bad = middle;
                 } else {
@@ -173,11 +174,11 @@ fn rise(
                     good = middle;
                 }
             }
-            held.go_back(bad.state);
+            continuation.go_back(bad.state);
             return Ok(Some([good.level, bad.level]));
         }
         values.push((at, motion.value));
-        let point = Point::new(held, at, motion);
+        let point = Point::new(continuation, at, motion);
         if let Some(before) = last {
             steps.push([before, point]);
         }
@@ -189,31 +190,31 @@ fn rise(
 
 /// Follows the upper motion from a point downwards: the lowest level at which it was seen.
 fn fall(
-    held: &mut dyn Held,
+    continuation: &mut dyn AmplitudeContinuation,
     from: Point,
     floor: f64,
     steps: &mut Vec<[Point; 2]>,
     values: &mut Vec<(f64, f64)>,
 ) -> Result<f64, Failure> {
     let mut good = from;
-    held.go_back(good.state);
+    continuation.go_back(good.state);
     while good.level > floor {
         let mut bad = (good.level - STEP).max(floor);
-        let motion = held.settle(amplitude_of(bad))?;
+        let motion = continuation.settle(amplitude_of(bad))?;
         if motion.is_upper {
             values.push((bad, motion.value));
-            let point = Point::new(held, bad, motion);
+            let point = Point::new(continuation, bad, motion);
             steps.push([good, point]);
             good = point;
             continue;
         }
         for _ in 0..BISECTIONS {
-            held.go_back(good.state);
+            continuation.go_back(good.state);
             let middle = 0.5 * (good.level + bad);
-            let motion = held.settle(amplitude_of(middle))?;
+            let motion = continuation.settle(amplitude_of(middle))?;
             if motion.is_upper {
                 values.push((middle, motion.value));
-                let point = Point::new(held, middle, motion);
+                let point = Point::new(continuation, middle, motion);
                 steps.push([good, point]);
                 good = point;
             } else {

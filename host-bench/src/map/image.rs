@@ -6,7 +6,7 @@ use model_core::energy::response_map::{
     POWER_OCTAVES, ROWS, Spacing, TAIL, UPPER, VERSION, level, row, row_distance, seal,
 };
 
-use super::agreement::{ALLOWANCE, Agreement, Judged, Place, told_of};
+use super::agreement::{ALLOWANCE, Agreement, Judged, OperatingPoint, predicted_of};
 use super::axes::{Axes, amplitude_of};
 use super::column::{Column, along, fitted};
 use crate::method::Failure;
@@ -25,7 +25,7 @@ const LEAST: f64 = 1.0 / 128.0;
 /// Largest deviation in octaves of the lower branch from the square of the amplitude, over an octave.
 const LINEAR: f64 = 0.1;
 
-/// What broadband shaking yields on the lower branch.
+/// What broadband vibration gives on the lower branch.
 pub(super) struct Broadband {
     /// Mean power in W, or charge per second in A, over the density in (m/s²)²/Hz.
     pub(super) factor: f64,
@@ -246,21 +246,21 @@ impl Content<'_> {
         head.to_vec()
     }
 
-    /// Levels of the power over the density of broadband shaking and of the largest density, by the first slice; zeros where
+    /// Levels of the power over the density of broadband vibration and of the largest density, by the first slice; zeros where
     /// the lower branch at the lowest amplitude is not linear.
     fn broadband(&self) -> [u16; 2] {
         let Some(Broadband { factor, largest }) = self.linear() else { return [0; 2] };
         let level =
             |number: f64, octaves: i32| (number.log2() + f64::from(octaves)) * f64::from(LEVELS_PER_OCTAVE);
         let factor = level(factor, POWER_OCTAVES).round();
-        // A yield that the word does not hold is none: a clipped one would be told as the truth.
+        // An output power that the word does not hold is none: a clipped one would be taken for the truth.
         if !(1.0..=65535.0).contains(&factor) {
             return [0; 2];
         }
         [factor as u16, level(largest, DENSITY_OCTAVES).round().clamp(0.0, 65535.0) as u16]
     }
 
-    /// The yield over the density, `2 ∫ h df`, and the largest density; `None` unless every column's lower branch is as the
+    /// The output power over the density, `2 ∫ h df`, and the largest density; `None` unless every column's lower branch is as the
     /// square of the amplitude at its lowest amplitudes.
     pub(super) fn linear(&self) -> Option<Broadband> {
         let columns = self.slices.first()?;
@@ -354,7 +354,7 @@ impl Image {
     }
 }
 
-/// The bounds of each slice, from what a map without bounds tells at places with known motions.
+/// The bounds of each slice, from the values of a map without bounds at operating points with known motions.
 pub(super) fn bounds(content: &Content<'_>, judged: &[Judged]) -> Vec<SliceBounds> {
     (0..content.slices.len())
         .map(|slice| {
@@ -362,12 +362,12 @@ pub(super) fn bounds(content: &Content<'_>, judged: &[Judged]) -> Vec<SliceBound
                 let mut largest: [Option<[f64; 2]>; BOUNDS] = [None; BOUNDS];
                 for found in judged.iter().filter(|judged| judged.place.slice == slice) {
                     let there = [found.truth.lower, found.truth.upper][branch];
-                    if let (Some(told), Some(truth)) = (told_of(&found.told)[branch], there)
-                        && told.value > 0.0
+                    if let (Some(predicted), Some(truth)) = (predicted_of(&found.predicted)[branch], there)
+                        && predicted.value > 0.0
                     {
-                        let Place { frequency_hz, amplitude, .. } = found.place;
+                        let OperatingPoint { frequency_hz, amplitude, .. } = found.place;
                         let part = content.part(slice, branch, frequency_hz, amplitude);
-                        let octaves = (truth.max(1e-300) / f64::from(told.value)).log2();
+                        let octaves = (truth.max(1e-300) / f64::from(predicted.value)).log2();
                         let [lower, higher] = largest[part].unwrap_or_default();
                         largest[part] = Some([lower.max(-octaves), higher.max(octaves)]);
                     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use model_core::energy::ResponseMap;
 use model_core::excitation::{LineBank, Lines};
-use model_core::node::{Finding, Modelled, Yield};
+use model_core::node::{Finding, OutputPower, PredictedPower};
 use rayon::prelude::*;
 
 use super::Map;
@@ -51,12 +51,12 @@ pub const KINDS: [Kind; 3] = [Kind::Line, Kind::TwoLines, Kind::Noise];
 
 /// What a node says.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Said {
-    /// The yield, with its bounds.
+pub enum Prediction {
+    /// The output power, with its bounds.
     Known { value: f64, low: f64, high: f64 },
     /// That of one of two motions, with bounds that cover both.
     Either { low: f64, high: f64 },
-    /// An order of magnitude: of broadband shaking beyond the linear motion.
+    /// An order of magnitude: of broadband vibration beyond the linear motion.
     Beyond,
     /// No more than an order of magnitude, or nothing: neither a line nor broadband, or outside the map.
     Nothing,
@@ -64,25 +64,25 @@ pub enum Said {
 
 /// One input.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Heard {
+pub struct Detected {
     pub kind: Kind,
     /// Mean power of the trajectory in W.
     pub truth: f64,
-    pub said: Said,
+    pub prediction: Prediction,
 }
 
 /// The sines of an input: amplitude in m/s², frequency in Hz, phase in rad.
 type Sines = Vec<[f64; 3]>;
 
 /// Random inputs of all kinds by turns against trajectories.
-pub fn heard(
+pub fn detected(
     scene: &Scene,
     map: &Map,
     count: usize,
     seed: u64,
     options: &Options,
     step: &(impl Fn() + Sync),
-) -> Result<Vec<Heard>, Failure> {
+) -> Result<Vec<Detected>, Failure> {
     if !matches!(scene.load, Load::Resistor { .. }) {
         return Err(Failure::of_file(scene, "load.kind: must be \"resistor\" with --inputs"));
     }
@@ -101,9 +101,9 @@ pub fn heard(
             let mut source = Source::new(seed, number as u64);
             let kind = KINDS[number % KINDS.len()];
             let sines = sines(map, kind, &mut source);
-            let heard = one(scene, map, &bank, (kind, &sines), &mut source, options);
+            let detected = one(scene, map, &bank, (kind, &sines), &mut source, options);
             step();
-            heard
+            detected
         })
         .collect()
 }
@@ -113,7 +113,7 @@ fn sines(map: &Map, kind: Kind, source: &mut Source) -> Sines {
     let axes = &map.axes;
     let [low, high] = axes.amplitudes;
     let phase = |source: &mut Source| source.uniform(0.0, TAU);
-    // Where the bank hears: a quarter of a section's rate to both sides.
+    // The band of the bank: a quarter of a section's rate to both sides.
     let reach = 0.2 * PER_PERIOD * axes.centre_hz / SECTION as f64;
     let [first, last] = [axes.frequencies[0], axes.frequencies[axes.frequencies.len() - 1]];
     let near =
@@ -162,7 +162,7 @@ fn one(
     (kind, sines): (Kind, &Sines),
     source: &mut Source,
     options: &Options,
-) -> Result<Heard, Failure> {
+) -> Result<Detected, Failure> {
     let axes = &map.axes;
     let rate = PER_PERIOD * axes.centre_hz;
     let blocks = BLOCKS[usize::from(kind == Kind::Noise)];
@@ -180,14 +180,14 @@ fn one(
             ((acceleration + GRAVITY) / UNIT + NOISE_COUNTS * noise).round() as i16
         })
         .collect();
-    let (mut state, mut heard, mut left) = (bank.start(), Vec::new(), &counts[..]);
+    let (mut state, mut detected, mut left) = (bank.start(), Vec::new(), &counts[..]);
     while !left.is_empty() {
         let (taken, lines) = bank.take(&mut state, left);
-        heard.extend(lines);
+        detected.extend(lines);
         left = &left[taken..];
     }
-    let told = map.image.map()?;
-    let said = said(&told, &heard);
+    let lookup = map.image.map()?;
+    let prediction = prediction(&lookup, &detected);
     let scene = Scene {
         excitation: Excitation::File(Trace {
             samples_m_per_s2: Arc::from(input),
@@ -198,26 +198,26 @@ fn one(
         ..scene.clone()
     };
     let outcome = run_scene(&scene, &Options { bare: true, ..*options })?;
-    Ok(Heard { kind, truth: outcome.mean_power_w.unwrap_or(f64::NAN), said })
+    Ok(Detected { kind, truth: outcome.mean_power_w.unwrap_or(f64::NAN), prediction })
 }
 
 /// What a node says of its blocks while its storage says nothing.
-fn said(map: &ResponseMap<&[u16]>, blocks: &[Lines]) -> Said {
-    let modelled = Modelled::of_blocks(map, blocks, 0.0);
-    let bounds = |found: Yield| {
+fn prediction(map: &ResponseMap<&[u16]>, blocks: &[Lines]) -> Prediction {
+    let predicted = PredictedPower::of_blocks(map, blocks, 0.0);
+    let bounds = |found: OutputPower| {
         let [value, bound] = [found.value, found.bound()].map(f64::from);
         [value - bound, value, value + bound]
     };
-    match modelled.finding {
+    match predicted.finding {
         Finding::Line | Finding::Broadband | Finding::Rest => {
-            let [low, value, high] = bounds(modelled.lower);
-            Said::Known { value, low, high }
+            let [low, value, high] = bounds(predicted.lower);
+            Prediction::Known { value, low, high }
         }
         Finding::TwoMotions | Finding::TwoMotionsOneSeen => {
-            let [low, _, high] = bounds(modelled.either());
-            Said::Either { low, high }
+            let [low, _, high] = bounds(predicted.either());
+            Prediction::Either { low, high }
         }
-        Finding::BroadbandBeyond => Said::Beyond,
-        Finding::Outside(_) | Finding::Unclear | Finding::Damaged => Said::Nothing,
+        Finding::BroadbandBeyond => Prediction::Beyond,
+        Finding::Outside(_) | Finding::Unclear | Finding::Damaged => Prediction::Nothing,
     }
 }

@@ -1,4 +1,4 @@
-//! The picture of a map: each slice with its values and its boundaries, the yield and the regime of each cell at the pointer,
+//! The picture of a map: each slice with its values and its boundaries, the output power and the regime of each cell at the pointer,
 //! and the places that check it.
 
 use model_core::energy::Response;
@@ -9,7 +9,7 @@ use super::axes::amplitude_of;
 use super::{Column, Judged, Map};
 use crate::method::Failure;
 use crate::report::Picture;
-use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark, Told};
+use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark, Readout};
 use crate::report::setting::prefix;
 use crate::report::svg::{BLACK, VERMILION};
 
@@ -19,7 +19,7 @@ const CELLS: [usize; 2] = [128, 64];
 const ROWS: usize = 48;
 /// Light enough on the darkest cells, and seen on white.
 const LIGHT: RGBColor = RGBColor(216, 222, 228);
-/// What the map tells of a cell.
+/// The values of the map in a cell.
 const REGIMES: [&str; 4] = [
     "one motion, the lower one",
     "one motion, the upper one",
@@ -40,8 +40,8 @@ pub fn drawn(map: &Map, title: &str) -> Result<[String; 2], Failure> {
 }
 
 fn chart(map: &Map, slice: usize) -> Result<Chart, Failure> {
-    let (told, axes) = (map.image.map()?, &map.axes);
-    let (name, unit) = if told.is_current() { ("charge per second", "A") } else { ("mean power", "W") };
+    let (lookup, axes) = (map.image.map()?, &map.axes);
+    let (name, unit) = if lookup.is_current() { ("charge per second", "A") } else { ("mean power", "W") };
     let [low, high] = axes.amplitudes.map(f64::ln);
     let [across, up] = CELLS;
     let middle = |index: usize, count: usize| (2 * index + 1) as f64 / (2 * count) as f64;
@@ -51,7 +51,7 @@ fn chart(map: &Map, slice: usize) -> Result<Chart, Failure> {
     let at = |index: usize| [amplitudes[index / across], frequencies[index % across]].map(|at| at as f32);
     let cells: Vec<Response> = (0..across * up)
         .map(at)
-        .map(|[amplitude, frequency]| told.in_slice_at(slice, amplitude, frequency))
+        .map(|[amplitude, frequency]| lookup.in_slice_at(slice, amplitude, frequency))
         .collect();
     let largest = cells.iter().filter_map(|cell| Some(f64::from(cell.income()?.value))).fold(0.0, f64::max);
     let (sign, factor) = prefix(largest);
@@ -72,18 +72,18 @@ fn chart(map: &Map, slice: usize) -> Result<Chart, Failure> {
     if let Some(field) = &mut chart.field {
         let detuning =
             frequencies.iter().map(|frequency| (frequency - axes.centre_hz) / axes.half_bandwidth_hz);
-        let detuning = Told::Column("detuning [half-bandwidths]".to_owned(), detuning.collect());
-        field.tells.splice(0..1, [Told::Column("frequency [Hz]".to_owned(), frequencies), detuning]);
-        field.tells.pop();
-        field.tells.extend([
-            Told::Cell(title(name), value),
-            Told::Cell(title("at least"), lowest),
-            Told::Cell(title("at most"), highest),
-            Told::Text(&REGIMES, cells.iter().map(regime).collect()),
+        let detuning = Readout::Column("detuning [half-bandwidths]".to_owned(), detuning.collect());
+        field.readouts.splice(0..1, [Readout::Column("frequency [Hz]".to_owned(), frequencies), detuning]);
+        field.readouts.pop();
+        field.readouts.extend([
+            Readout::Cell(title(name), value),
+            Readout::Cell(title("at least"), lowest),
+            Readout::Cell(title("at most"), highest),
+            Readout::Text(&REGIMES, cells.iter().map(regime).collect()),
         ]);
     }
-    if told.is_current() {
-        chart.title = format!("storage at {:.2} V", told.voltage(slice));
+    if lookup.is_current() {
+        chart.title = format!("storage at {:.2} V", lookup.voltage(slice));
     }
     chart.curves = [boundaries(map, slice), places(map, slice)].concat();
     chart.note = format!(
@@ -107,7 +107,7 @@ fn regime(cell: &Response) -> usize {
 
 /// The largest income of the map on cells: slice, frequency in Hz, amplitude in m/s², and the income.
 pub(crate) fn best(map: &Map) -> Result<Option<(usize, f64, f64, f64)>, Failure> {
-    let told = map.image.map()?;
+    let lookup = map.image.map()?;
     let [low, high] = map.axes.amplitudes.map(f64::log10);
     let (across, up) = (CELLS[0], ROWS);
     let part = |index: usize, count: usize| index as f64 / (count - 1) as f64;
@@ -115,7 +115,7 @@ pub(crate) fn best(map: &Map) -> Result<Option<(usize, f64, f64, f64)>, Failure>
         let (slice, cell) = (index / (across * up), index % (across * up));
         let frequency = map.axes.frequency(part(cell % across, across));
         let amplitude = 10f64.powf(low + (high - low) * part(cell / across, up));
-        let income = told.in_slice_at(slice, amplitude as f32, frequency as f32).income()?;
+        let income = lookup.in_slice_at(slice, amplitude as f32, frequency as f32).income()?;
         Some((slice, frequency, amplitude, f64::from(income.value)))
     });
     Ok(cells.max_by(|one, other| one.3.total_cmp(&other.3)))
@@ -159,7 +159,7 @@ fn at(map: &Map, judged: &Judged) -> (f64, f64) {
     ((below as f64 + part) / (map.axes.frequencies.len() - 1) as f64, judged.place.amplitude)
 }
 
-/// What the full model has at a place beside what the map tells.
+/// What the full model has at an operating point beside the values of the map.
 fn note(judged: &Judged) -> String {
     let motion = |name: &str, truth: Option<f64>, error: Option<f64>| {
         let truth = truth?;

@@ -55,8 +55,10 @@ fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
         .frequencies
         .iter()
         .map(|&frequency| {
-            with_held(&scene, frequency, &options, |held| column::column(held, frequency, request.amplitudes))
-                .expect("a steady motion")
+            with_continuation(&scene, frequency, &options, |continuation| {
+                column::column(continuation, frequency, request.amplitudes)
+            })
+            .expect("a steady motion")
         })
         .collect();
     let unbounded: Vec<SliceBounds> = vec![Default::default()];
@@ -126,18 +128,20 @@ fn a_linear_harvester_has_the_power_of_its_closed_form_all_over_its_map() {
     let charts =
         page.split("const charts = ").nth(1).and_then(|rest| rest.split(";\n").next()).expect("charts");
     let charts: serde_json::Value = serde_json::from_str(charts).expect("JSON");
-    let told = |title: &str, index: usize| {
-        let tells = charts[0]["field"]["tells"].as_array().expect("a list");
-        let found = tells.iter().find(|told| told["title"].as_str().is_some_and(|text| text.contains(title)));
+    let readout = |title: &str, index: usize| {
+        let readouts = charts[0]["field"]["readouts"].as_array().expect("a list");
+        let found = readouts
+            .iter()
+            .find(|readout| readout["title"].as_str().is_some_and(|text| text.contains(title)));
         found
-            .and_then(|told| told["values"][index].as_f64())
+            .and_then(|readout| readout["values"][index].as_f64())
             .unwrap_or_else(|| panic!("{title} of cell {index}"))
     };
     let across = charts[0]["field"]["x"].as_array().expect("edges").len() - 1;
     for index in [0, across / 2, 20 * across + 3, 40 * across + across / 2] {
         let (amplitude, frequency) =
-            (told("amplitude [", index / across), told("frequency [", index % across));
-        let error = told("mean power [", index) * 1e-6 / closed_form(&scene, amplitude, frequency) - 1.0;
+            (readout("amplitude [", index / across), readout("frequency [", index % across));
+        let error = readout("mean power [", index) * 1e-6 / closed_form(&scene, amplitude, frequency) - 1.0;
         assert!(error.abs() < 0.05 && page.contains("mean power [µW]"), "cell {index}: {error}");
     }
 }
@@ -167,10 +171,10 @@ fn a_picture_says_what_its_lines_and_dots_are_and_its_voltage() {
         bounds: &unbounded,
     };
     let image = content.image().expect("an image");
-    let place = Place { slice: 0, frequency_hz: 20.0, amplitude: 1.0 };
+    let place = OperatingPoint { slice: 0, frequency_hz: 20.0, amplitude: 1.0 };
     let truth = Truth { lower: Some(9e-6), upper: None };
-    let told = image.map().expect("a map").in_slice_at(0, 1.0, 20.0);
-    let checked = vec![judge(told, [level_of(1.5), level_of(0.8)], place, truth)];
+    let readout = image.map().expect("a map").in_slice_at(0, 1.0, 20.0);
+    let checked = vec![judge(readout, [level_of(1.5), level_of(0.8)], place, truth)];
     let agreement = Agreement::of(&checked).expect("an error");
     let slices = slices.to_vec();
     let statements = Statements::default();
@@ -205,8 +209,8 @@ fn a_motion_with_contact_now_and_then_is_the_upper_one() {
     let request = request([0.1, 4.0], [17.0, 24.0]);
     let axes = Axes::new(&scene, &request, &Options::default()).expect("in bounds");
     for frequency in [axes.frequencies[8], axes.frequencies[9]] {
-        let column = with_held(&scene, frequency, &Options::default(), |held| {
-            column::column(held, frequency, request.amplitudes)
+        let column = with_continuation(&scene, frequency, &Options::default(), |continuation| {
+            column::column(continuation, frequency, request.amplitudes)
         })
         .expect("steady motions");
         let Column { rising, falling, found, lower, upper, .. } = &column;

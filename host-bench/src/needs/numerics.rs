@@ -142,20 +142,21 @@ fn loosest(study: &Study, (scene, is_chaotic): (&Scene, bool), ladder: &[Setting
     let mut candidate: Option<Numerics> = None;
     for setting in ladder {
         let options = Options { most_attempts: study.options.most_attempts, ..setting.options() };
-        let held = study.compared(scene, Some(&options), Some(is_chaotic)).ok().and_then(|(change, run)| {
-            let steps_per_s = (run.steps + run.rejected_steps) as f64 / run.duration_s;
-            let holds = change.is_within(study.accuracy) == Some(true);
-            holds.then_some(Numerics {
-                setting: *setting,
-                change,
-                steps_per_s,
-                host_s_per_s: f64::NAN,
-                host_spread: None,
-            })
-        });
-        match (candidate.is_some(), held.is_some()) {
+        let accepted =
+            study.compared(scene, Some(&options), Some(is_chaotic)).ok().and_then(|(change, run)| {
+                let steps_per_s = (run.steps + run.rejected_steps) as f64 / run.duration_s;
+                let holds = change.is_within(study.accuracy) == Some(true);
+                holds.then_some(Numerics {
+                    setting: *setting,
+                    change,
+                    steps_per_s,
+                    host_s_per_s: f64::NAN,
+                    host_spread: None,
+                })
+            });
+        match (candidate.is_some(), accepted.is_some()) {
             (true, true) => return candidate,
-            _ => candidate = held,
+            _ => candidate = accepted,
         }
     }
     // The tightest setting has no tighter one to confirm it.

@@ -51,8 +51,8 @@ impl Part {
     /// What is left out, and what stands in for it.
     pub(crate) fn name(self) -> String {
         match self {
-            Self::BeamModes(kept) => format!("beam modes above {kept}"),
-            Self::RodModes(kept) => format!("rod modes above {kept}"),
+            Self::BeamModes(count) => format!("beam modes above {count}"),
+            Self::RodModes(count) => format!("rod modes above {count}"),
             Self::Rod => "rod (a spring instead)".to_owned(),
             Self::Stop => "stop".to_owned(),
             Self::ResidualCompliance => "residual compliance (a constraint instead)".to_owned(),
@@ -116,10 +116,10 @@ impl Part {
     fn leave_out_of_beam(self, model: &mut BumpStop) {
         let initial = &mut model.initial;
         match self {
-            Self::BeamModes(kept) => {
-                model.parameters.beam_modes = kept;
-                initial.modal_displacement.truncate(kept);
-                initial.modal_velocity.truncate(kept);
+            Self::BeamModes(count) => {
+                model.parameters.beam_modes = count;
+                initial.modal_displacement.truncate(count);
+                initial.modal_velocity.truncate(count);
             }
             Self::TwoWayCoupling => model.parameters.coupling = Coupling::OneWay,
             Self::Stop => model.stop = None,
@@ -133,9 +133,9 @@ impl Part {
             }
         }
         if let Self::Rod | Self::Stop | Self::RodModes(_) = self {
-            let kept = if let Self::RodModes(kept) = self { kept } else { 0 };
-            initial.rod_modal_displacement.truncate(kept);
-            initial.rod_modal_velocity.truncate(kept);
+            let count = if let Self::RodModes(count) = self { count } else { 0 };
+            initial.rod_modal_displacement.truncate(count);
+            initial.rod_modal_velocity.truncate(count);
         }
         if let Some(stop) = &mut model.stop {
             self.leave_out_of_stop(stop);
@@ -144,7 +144,7 @@ impl Part {
 
     fn leave_out_of_stop(self, stop: &mut StopParameters) {
         match self {
-            Self::RodModes(kept) => stop.rod_modes = kept,
+            Self::RodModes(count) => stop.rod_modes = count,
             Self::Rod => stop.rod_modes = 0,
             Self::ResidualCompliance => stop.contact = Contact::DisplacementConstraint,
             Self::ContactCompliance => stop.contact_compliance_m_per_n = 0.0,

@@ -91,9 +91,9 @@ pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
     // A copy for each board and variant, because the next build overwrites this one. A target directory for each
     // would compile `core` and the dependencies again.
     let built = target_directory.join(hardware.target).join(binary.profile()).join(binary.name);
-    let kept = target_directory.join(hardware.board);
-    fs::create_dir_all(&kept).map_err(io_error)?;
-    let to = kept.join(binary.variant.unwrap_or(binary.name).replace("::", "-"));
+    let copy = target_directory.join(hardware.board);
+    fs::create_dir_all(&copy).map_err(io_error)?;
+    let to = copy.join(binary.variant.unwrap_or(binary.name).replace("::", "-"));
     fs::copy(built, &to).map(|_| to).map_err(io_error)
 }
 

@@ -1,4 +1,4 @@
-//! The day of the firmware's node: what shakes its harvester, and what a harvester that is not as designed yields of it, by
+//! The day of the firmware's node: what shakes its harvester, and what a harvester that is not as designed gives of it, by
 //! the full model.
 //!
 //! The machine stands still at night, and for two minutes at each full hour, in which the harvester comes to rest: so each
@@ -26,7 +26,7 @@ use crate::stability::random::Source;
 /// What shakes the harvester in a minute: amplitudes in mm/s² and frequencies in mHz of two lines.
 pub type Lines = [[u16; 2]; 2];
 
-/// By what factors the true harvester differs from `node.toml`, which the node's map is of. The yield goes with the square
+/// By what factors the true harvester differs from `node.toml`, which the node's map is of. The output power goes with the square
 /// of the charge density.
 const CHARGE: f64 = 0.85;
 const DAMPING: f64 = 1.4;
@@ -49,7 +49,7 @@ const STILL: usize = 2;
 
 /// What shakes the harvester, minute by minute.
 #[must_use]
-pub fn shaking() -> Vec<Lines> {
+pub fn vibration() -> Vec<Lines> {
     let mut random = Source::of_seed(7);
     HOURS.iter().flat_map(|&part| hour((AMPLITUDE * part / 100) as u16, &mut random)).collect()
 }
@@ -74,16 +74,16 @@ fn hour(amplitude: u16, random: &mut Source) -> Vec<Lines> {
     (0..60).map(lines).collect()
 }
 
-/// What the true harvester yields in the first so many minutes of an hour of the day, in nJ.
+/// What the true harvester gives in the first so many minutes of an hour of the day, in nJ.
 ///
 /// # Errors
 ///
 /// If `node.toml` cannot be read, or the model not be stepped.
-pub fn energies(shaking: &[Lines], hour: usize, minutes: usize) -> Result<Vec<u32>, Error> {
+pub fn energies(vibration: &[Lines], hour: usize, minutes: usize) -> Result<Vec<u32>, Error> {
     let mut energies = Vec::new();
     let mut state = None;
     let mut turns = [0.0; 2];
-    for (minute, lines) in shaking.iter().skip(60 * hour).take(minutes.min(60)).enumerate() {
+    for (minute, lines) in vibration.iter().skip(60 * hour).take(minutes.min(60)).enumerate() {
         let harvester = harvester(hour as f64 + minute as f64 / 60.0)?;
         let base = base(lines, minute, &mut turns)?;
         let mut now = match state {
@@ -141,10 +141,10 @@ fn base(lines: &Lines, minute: usize, turns: &mut [f64; 2]) -> Result<Tones<f64,
 ///
 /// As [`energies`].
 pub fn day() -> Result<Vec<Minute>, Error> {
-    let shaking = shaking();
-    let hours = (0..HOURS.len()).into_par_iter().map(|hour| energies(&shaking, hour, 60));
+    let vibration = vibration();
+    let hours = (0..HOURS.len()).into_par_iter().map(|hour| energies(&vibration, hour, 60));
     let energies: Vec<Vec<u32>> = hours.collect::<Result<_, _>>()?;
-    let minutes = shaking.into_iter().zip(energies.into_iter().flatten());
+    let minutes = vibration.into_iter().zip(energies.into_iter().flatten());
     Ok(minutes.map(|(lines, energy)| Minute { lines, energy }).collect())
 }
 

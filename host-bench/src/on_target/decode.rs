@@ -79,7 +79,7 @@ pub fn decode(firmware: &Path, log: &[u8]) -> Result<Vec<Section>, Error> {
     sections(&messages(firmware, log)?)
 }
 
-/// Compares the messages of a log with those of the host. A number in either is written with as many digits as tell it from
+/// Compares the messages of a log with those of the host. A number in either is written with as many digits as distinguish it from
 /// its neighbours.
 ///
 /// # Errors

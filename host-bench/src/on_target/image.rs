@@ -38,7 +38,7 @@ pub enum Error {
     },
 }
 
-/// Reads a firmware file and checks the two addresses that tell the boards apart: two of them have
+/// Reads a firmware file and checks the two addresses that identify the board: two of them have
 /// their flash at the same place.
 ///
 /// # Errors

@@ -11,7 +11,7 @@ use thiserror::Error;
 
 const QEMU: &str = "qemu-system-arm";
 
-/// Why a run yields nothing.
+/// Why a run gives no power.
 #[derive(Debug, Error)]
 pub enum Error {
     /// There is no QEMU.

@@ -2,14 +2,14 @@
 
 use plotters::style::RGBColor;
 
-use super::{Found, Point, Range, Request};
+use super::{Optimum, Point, Range, Request};
 use crate::report::Picture;
-use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark, Told};
+use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark, Readout};
 use crate::report::setting::label;
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, tick};
 
 /// The title is plain text.
-pub(crate) fn picture(found: &Found, request: &Request<'_>, title: String) -> Picture {
+pub(crate) fn picture(found: &Optimum, request: &Request<'_>, title: String) -> Picture {
     let first = match &request.ranges[..] {
         [only] => Some(curve(found, request, only)),
         [up, across, ..] => Some(map(found, request, [across, up])),
@@ -19,13 +19,14 @@ pub(crate) fn picture(found: &Found, request: &Request<'_>, title: String) -> Pi
     Picture { title, width: 900, charts, ..Picture::default() }
 }
 
-/// What the pointer tells of a point besides its place: its value, that of each key, and which constraint it breaks.
+/// The readout of a point at the pointer besides its place: its value, that of each key, and which constraint it breaks.
 fn note(request: &Request<'_>, point: &Point) -> String {
     let value =
         point.value().map_or_else(|| "the run failed".to_owned(), |value| tick(request.signed(value)));
     let mut lines = vec![format!("value: {value}")];
-    lines
-        .extend(Found::values(request, point).into_iter().map(|(key, value)| format!("{key} = {value:.6e}")));
+    lines.extend(
+        Optimum::values(request, point).into_iter().map(|(key, value)| format!("{key} = {value:.6e}")),
+    );
     if let Some((_, margins)) = &point.found {
         let broken = request.constraints.iter().zip(margins).filter(|(_, margin)| **margin < 0.0);
         lines.extend(broken.map(|(constraint, _)| format!("breaks {}", constraint.text())));
@@ -48,20 +49,20 @@ fn axis(key: &Range) -> Axis {
 }
 
 /// The value over the only key.
-fn curve(found: &Found, request: &Request<'_>, key: &Range) -> Chart {
+fn curve(found: &Optimum, request: &Request<'_>, key: &Range) -> Chart {
     let place = |point: &Point| Some((key.value(point.place[0]), request.signed(point.value()?)));
     let mut points: Vec<(&Point, (f64, f64))> =
         found.points.iter().filter_map(|point| Some((point, place(point)?))).collect();
     points.sort_by(|one, other| one.1.0.total_cmp(&other.1.0));
     let line = Curve::new("", BLUE, Mark::Line(1.2), points.iter().map(|(_, place)| *place));
-    let kept = |is_kept: bool| {
-        points.iter().filter(move |(point, _)| point.feasible().is_some() == is_kept).copied()
+    let feasible = |is_feasible: bool| {
+        points.iter().filter(move |(point, _)| point.feasible().is_some() == is_feasible).copied()
     };
     let best = place(&found.best).map(|place| (&found.best, place));
     let curves = [
         Some(line.broken_at_jumps()),
-        dots(request, ("runs", BLUE, 6.0), kept(true)),
-        dots(request, ("runs that break a constraint", BLACK, 5.0), kept(false)),
+        dots(request, ("runs", BLUE, 6.0), feasible(true)),
+        dots(request, ("runs that break a constraint", BLACK, 5.0), feasible(false)),
         dots(request, ("the best point", VERMILION, 10.0), best.into_iter()),
     ];
     let up = Axis::linear(request.quantity.as_str(), FITTING, 7);
@@ -70,7 +71,7 @@ fn curve(found: &Found, request: &Request<'_>, key: &Range) -> Chart {
 
 /// The grid over two keys with all runs; with more keys, each cell has the best value over the others, if a point keeps the
 /// constraints.
-fn map(found: &Found, request: &Request<'_>, keys: [&Range; 2]) -> Chart {
+fn map(found: &Optimum, request: &Request<'_>, keys: [&Range; 2]) -> Chart {
     let count = request.grid;
     let others = count.pow(u32::try_from(request.ranges.len()).unwrap_or(2) - 2);
     let (grid, searched) = found.points.split_at(count * count * others);
@@ -80,11 +81,11 @@ fn map(found: &Found, request: &Request<'_>, keys: [&Range; 2]) -> Chart {
     let middles = keys.map(|key| (0..count).map(|index| key.value(part(index))).collect());
     let scale = Axis::linear(request.quantity.as_str(), FITTING, 8);
     let mut chart = Chart::map(keys.map(axis), middles, scale, cells.collect());
-    for told in chart.field.iter_mut().flat_map(|field| &mut field.tells) {
-        match told {
-            Told::Column(title, _) => title.clone_from(&keys[0].key),
-            Told::Row(title, _) => title.clone_from(&keys[1].key),
-            Told::Cell(..) | Told::Text(..) => {}
+    for readout in chart.field.iter_mut().flat_map(|field| &mut field.readouts) {
+        match readout {
+            Readout::Column(title, _) => title.clone_from(&keys[0].key),
+            Readout::Row(title, _) => title.clone_from(&keys[1].key),
+            Readout::Cell(..) | Readout::Text(..) => {}
         }
     }
     let place = |point: &Point| (keys[0].value(point.place[1]), keys[1].value(point.place[0]));
@@ -101,14 +102,14 @@ fn map(found: &Found, request: &Request<'_>, keys: [&Range; 2]) -> Chart {
 }
 
 /// The value of each run in their order, and the best so far.
-fn history(found: &Found, request: &Request<'_>) -> Chart {
+fn history(found: &Optimum, request: &Request<'_>) -> Chart {
     let grid = request.grid.pow(request.ranges.len() as u32);
     let numbered =
         || found.points.iter().enumerate().map(|(index, point)| (index, (index + 1) as f64, point));
-    let of = |is_grid: bool, is_kept: bool| {
+    let of = |is_grid: bool, is_feasible: bool| {
         numbered()
             .filter(move |(index, _, point)| {
-                (*index < grid) == is_grid && point.feasible().is_some() == is_kept
+                (*index < grid) == is_grid && point.feasible().is_some() == is_feasible
             })
             .filter_map(|(_, number, point)| Some((point, (number, request.signed(point.value()?)))))
     };

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use cobyla::{Func, RhoBeg, StopTols, minimize};
 use rayon::prelude::*;
 
-use super::{Found, Point, Request};
+use super::{Optimum, Point, Request};
 use crate::accuracy::run_as_it_is;
 use crate::attractors::add_branches;
 use crate::embedded;
@@ -44,7 +44,7 @@ const fn most_at_the_end(keys: usize) -> usize {
 }
 
 /// Finds the best point; calls `ahead` with the most runs that are still to come.
-pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) -> Result<Found, Failure> {
+pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) -> Result<Optimum, Failure> {
     let keys = request.ranges.len();
     request.check_names()?;
     let grid = grid(keys, request.grid);
@@ -96,7 +96,7 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
     let doubts = level.into_iter().chain(doubt(request, &best, &outcome));
     let doubts = doubts.chain(request.unapproached(&outcome)).collect();
     let runs = request.runs.counts();
-    Ok(Found { best, unconstrained, flat, outcome, points, runs, doubts })
+    Ok(Optimum { best, unconstrained, flat, outcome, points, runs, doubts })
 }
 
 /// A warning where the value at the best point may be that of a lucky run.
@@ -229,7 +229,7 @@ fn search(request: &Request<'_>, known: &[Point], start: &Point, constrained: bo
 fn nowhere(request: &Request<'_>, points: &[Point]) -> Failure {
     let nearest = best_of(points, true, 1);
     let place = nearest.first().map_or_else(String::new, |point| {
-        let values = Found::values(request, point);
+        let values = Optimum::values(request, point);
         let values: Vec<String> =
             values.into_iter().map(|(key, value)| format!("{key} = {value:e}")).collect();
         let lack = point.found.iter().flat_map(|(_, margins)| margins).copied().fold(0.0_f64, f64::min);

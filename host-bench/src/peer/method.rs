@@ -99,8 +99,8 @@ impl Stage {
             (system.capacitance + reach * system.conductance + system.back_coupling * electric).recip()
         };
         let voltage_by_force = elastance * mixed;
-        let yielding = mechanical - system.back_coupling * mixed * voltage_by_force;
-        let stiffness = system.stiffness / (1.0 + system.stiffness * yielding);
+        let compliance_left = mechanical - system.back_coupling * mixed * voltage_by_force;
+        let stiffness = system.stiffness / (1.0 + system.stiffness * compliance_left);
         Self { reach, shares, elastance, mixed, voltage_by_force, stiffness }
     }
 

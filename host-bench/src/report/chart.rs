@@ -202,12 +202,12 @@ pub(crate) struct Field {
     /// The quantity of the values, and those of the first and of the last colour.
     pub(super) scale: Axis,
     /// What the pointer tells of a cell: values of its column, of its row, and of itself.
-    pub(crate) tells: Vec<Told>,
+    pub(crate) readouts: Vec<Readout>,
 }
 
-/// What the pointer tells: a quantity with its unit in brackets, and its value.
+/// A readout at the pointer: a quantity with its unit in brackets, and its value.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Told {
+pub(crate) enum Readout {
     /// Of each column.
     Column(String, Vec<f64>),
     /// Of each row.
@@ -300,12 +300,12 @@ impl Chart {
         }
         let edges = [across.edges(&columns), up.edges(&rows)];
         [across.span, up.span] = edges.each_ref().map(|edges| [edges[0], edges[edges.len() - 1]]);
-        let tells = vec![
-            Told::Column(across.title.clone(), columns),
-            Told::Row(up.title.clone(), rows),
-            Told::Cell(scale.title.clone(), values.clone()),
+        let readouts = vec![
+            Readout::Column(across.title.clone(), columns),
+            Readout::Row(up.title.clone(), rows),
+            Readout::Cell(scale.title.clone(), values.clone()),
         ];
-        let field = Some(Field { edges, values, scale, tells });
+        let field = Some(Field { edges, values, scale, readouts });
         Self { field, height: 560, ..Self::new("", across, up, Vec::new()) }
     }
 

@@ -34,7 +34,7 @@ const scaled = (isLogarithmic) => ({
   ...(isLogarithmic ? { splits: decades, filter: (_, ticks) => ticks } : {}),
 });
 // "gap [mm]" and a value: "gap: 1.5 mm".
-function told(title, value) {
+function readout(title, value) {
   const [, name, unit] = /^(.*?)(?: \[(.*)\])?$/.exec(title);
   return `${name}: ${digits(value)}${unit ? " " + unit : ""}`;
 }
@@ -53,9 +53,9 @@ function cell(field, x, y) {
   );
   if (column < 0 || row < 0) return null;
   const index = row * (field.x.length - 1) + column;
-  const lines = field.tells.map(({ of, title, values, texts }) => {
+  const lines = field.readouts.map(({ of, title, values, texts }) => {
     const value = values[{ column, row, cell: index }[of]];
-    return texts ? texts[value] : told(title, value);
+    return texts ? texts[value] : readout(title, value);
   });
   return lines.join("\n");
 }
@@ -211,7 +211,7 @@ for (const [index, one] of charts.entries()) {
     if (nearest) {
       const { curve, row } = nearest;
       const bar = curve.bars ? ` ± ${digits(curve.bars[row])}` : "";
-      const lines = [told(one.across, number(curve.x[row])), told(one.up, curve.y[row]) + bar];
+      const lines = [readout(one.across, number(curve.x[row])), readout(one.up, curve.y[row]) + bar];
       if (curve.named) lines.unshift(curve.name);
       if (curve.notes) lines.push(curve.notes[row]);
       tip.textContent = lines.join("\n");

@@ -242,19 +242,19 @@ fn legend(area: &Area<'_>, entries: &[Entry<'_>], paths: &mut String) -> Drawn {
 
 /// Removes the inner points of level stretches that go to the right.
 fn level(points: &mut Vec<[i64; 2]>) {
-    let mut kept: Vec<[i64; 2]> = Vec::with_capacity(points.len());
+    let mut thinned: Vec<[i64; 2]> = Vec::with_capacity(points.len());
     for &point in points.iter() {
-        if let [.., before, last] = kept[..]
+        if let [.., before, last] = thinned[..]
             && before[1] == last[1]
             && last[1] == point[1]
             && before[0] <= last[0]
             && last[0] <= point[0]
         {
-            kept.pop();
+            thinned.pop();
         }
-        kept.push(point);
+        thinned.push(point);
     }
-    *points = kept;
+    *points = thinned;
 }
 
 /// A path through the points, with gaps at those that are no number, or of dots at them, to a tenth of a pixel; dots in one

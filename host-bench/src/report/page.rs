@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::chart::{Chart, Curve, Field, Mark, SHADES, Told, colour};
+use super::chart::{Chart, Curve, Field, Mark, Readout, SHADES, colour};
 use super::svg::{extremes, hex, tick};
 pub(crate) use crate::name::escaped;
 
@@ -194,18 +194,18 @@ fn abscissae(points: &[(f64, f64)]) -> Vec<(usize, f64)> {
 }
 
 /// What the pointer tells, as the script wants it.
-fn told(told: &Told) -> Value {
+fn readout(readout: &Readout) -> Value {
     let numbers = |values: &[f64]| values.iter().map(|value| short(*value)).collect::<Vec<Value>>();
-    match told {
-        Told::Column(title, values) => {
+    match readout {
+        Readout::Column(title, values) => {
             json!({ "of": "column", "title": title, "values": numbers(values) })
         }
-        Told::Row(title, values) => json!({ "of": "row", "title": title, "values": numbers(values) }),
-        Told::Cell(title, values) => {
+        Readout::Row(title, values) => json!({ "of": "row", "title": title, "values": numbers(values) }),
+        Readout::Cell(title, values) => {
             let values: Vec<f64> = values.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
             json!({ "of": "cell", "title": title, "values": numbers(&values) })
         }
-        Told::Text(texts, indices) => json!({ "of": "cell", "texts": texts, "values": indices }),
+        Readout::Text(texts, indices) => json!({ "of": "cell", "texts": texts, "values": indices }),
     }
 }
 
@@ -217,7 +217,7 @@ fn cells(field: &Field, numbers: Option<&[f64]>) -> Value {
         "y": y,
         "palette": (0..SHADES).map(|index| hex(colour(index))).collect::<Vec<String>>(),
         "shades": field.shades(),
-        "tells": field.tells.iter().map(told).collect::<Vec<Value>>(),
+        "readouts": field.readouts.iter().map(readout).collect::<Vec<Value>>(),
         "numbers": numbers,
     })
 }
@@ -291,13 +291,13 @@ mod tests {
         let middles = [vec![0.5, 1.5], vec![1.0, 2.0]];
         let values = vec![Some(3.0), None, Some(1.0), Some(1.9)];
         let mut field = Chart::map(axes, middles, scale_axis, values).field.expect("a field");
-        field.tells.push(Told::Text(&["one motion", "outside"], vec![0, 1, 0, 0]));
+        field.readouts.push(Readout::Text(&["one motion", "outside"], vec![0, 1, 0, 0]));
         let json = cells(&field, None);
         assert_eq!([&json["x"], &json["y"]], [&json!([0.0, 1.0, 2.0]), &json!([0.5, 1.5, 2.5])]);
         assert_eq!(json["shades"], json!([63, null, 0, 28]));
         assert_eq!(json["palette"][63], "#FDE725");
-        assert_eq!(json["tells"][2]["values"], json!([3.0, null, 1.0, 1.9]));
-        assert_eq!(json["tells"][3]["texts"][1], "outside");
+        assert_eq!(json["readouts"][2]["values"], json!([3.0, null, 1.0, 1.9]));
+        assert_eq!(json["readouts"][3]["texts"][1], "outside");
         assert!(scale(&field).contains("&lt;power&gt; [W]: 1 <") && scale(&field).contains("#FDE725"));
         // One value alone has the middle colour.
         field.values = vec![Some(1.0); 4];

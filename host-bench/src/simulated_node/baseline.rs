@@ -42,8 +42,8 @@ pub(super) struct Baseline {
     energy: f64,
     first: f64,
     spent: f64,
-    /// Told of the slots of the hour, with its variance; seconds between actions in the slot.
-    told: [f64; 2],
+    /// Estimated over the slots of the hour, with its variance; seconds between actions in the slot.
+    estimated: [f64; 2],
     period: u32,
     readings: u32,
     hour: Option<IncomeOfTime>,
@@ -70,7 +70,7 @@ impl Baseline {
             energy: 0.0,
             first: 0.0,
             spent: 0.0,
-            told: [0.0; 2],
+            estimated: [0.0; 2],
             period,
             readings: 0,
             hour: None,
@@ -108,7 +108,7 @@ impl Baseline {
         [income.max(0.0) / efficiency, variance / (efficiency * efficiency)]
     }
 
-    /// Tells the hour.
+    /// Reports the hour.
     fn close(&mut self, [energy, variance]: [f64; 2]) {
         let seconds = self.second - self.began;
         let bound = (2.5 * variance.sqrt()) as f32;
@@ -129,11 +129,11 @@ impl Baseline {
         let known = [WEIGHT * mean + (1.0 - WEIGHT) * power, mean_error];
         *slot = Some(known);
         let [next, _] = slots[index(self.second)].unwrap_or(known);
-        let [told, of_told] = self.told;
-        self.told = [told + known[0] * seconds, of_told + known[1] * seconds * seconds];
+        let [estimated, of_estimate] = self.estimated;
+        self.estimated = [estimated + known[0] * seconds, of_estimate + known[1] * seconds * seconds];
         if self.second - self.began >= 3600 {
-            self.close(self.told);
-            self.told = [0.0; 2];
+            self.close(self.estimated);
+            self.estimated = [0.0; 2];
         }
         let above = self.energy - self.least();
         let runs = ((next - f64::from(standing_power)) * f64::from(SLOT) + above) / f64::from(action.energy);

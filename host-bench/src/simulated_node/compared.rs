@@ -152,7 +152,7 @@ impl Errors {
         Self {
             hours: hours.len(),
             inside: inside as f64 / hours.len() as f64,
-            median: median(|hour| (hour.told - hour.truth).abs()),
+            median: median(|hour| (hour.estimated - hour.truth).abs()),
             bound: median(|hour| hour.bound),
         }
     }
@@ -160,7 +160,7 @@ impl Errors {
 
 /// What a strategy came to on some timelines.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Came {
+pub struct Totals {
     /// Hours by timeline, noise, and end.
     pub hours: BTreeMap<[usize; 3], Hour>,
     pub runs: u32,
@@ -202,7 +202,7 @@ impl Setup {
         let mut off = |most: f64| 1.0 + most * (2.0 * random.uniform(0.0, 1.0) - 1.0);
         let (standing, capacitance) = (off(self.spread), off(self.storage.of_capacitance));
         let parts = Parts { standing, capacitance, leakage: off(OF_LEAKAGE), ..Parts::AS_STATED };
-        World::new(&self.settings(line), (&line.minutes, &line.shaking), parts, seed)
+        World::new(&self.settings(line), (&line.minutes, &line.vibration), parts, seed)
     }
 
     /// A run of a strategy on a timeline; `period` in s is of `fixed`.
@@ -231,9 +231,9 @@ impl Setup {
     }
 
     /// Runs a strategy on all timelines with each noise.
-    pub fn run_all(&self, name: Name, lines: &[Timeline]) -> Came {
+    pub fn run_all(&self, name: Name, lines: &[Timeline]) -> Totals {
         let runs = lines.len() as u32 * self.seeds as u32;
-        let mut came = Came { runs, actions_of_oracle: Some(0), ..Came::default() };
+        let mut totals = Totals { runs, actions_of_oracle: Some(0), ..Totals::default() };
         let periods = if name == Name::Fixed { self.periods(lines) } else { vec![0; lines.len()] };
         for (number, (line, period)) in lines.iter().zip(periods).enumerate() {
             for noise in 0..self.seeds {
@@ -241,17 +241,17 @@ impl Setup {
                 let run = self.run(name, line, seed, period);
                 let end = run.stored.last().copied().unwrap_or(0.0);
                 let oracle = Oracle::new(&self.world(line, seed), run.stored.len() - 1, end).schedule();
-                let both = came.actions_of_oracle.zip(oracle);
-                came.actions_of_oracle = both.map(|(sum, acted)| sum + acted.len() as u32);
-                came.share += run.share / f64::from(runs);
-                came.shunted += run.shunted / f64::from(runs);
-                came.actions += run.actions;
-                came.lock_outs += run.lock_outs;
+                let both = totals.actions_of_oracle.zip(oracle);
+                totals.actions_of_oracle = both.map(|(sum, acted)| sum + acted.len() as u32);
+                totals.share += run.share / f64::from(runs);
+                totals.shunted += run.shunted / f64::from(runs);
+                totals.actions += run.actions;
+                totals.lock_outs += run.lock_outs;
                 let places = run.hours.iter().map(|hour| ([number, noise as usize, hour.index], *hour));
-                came.hours.extend(places);
+                totals.hours.extend(places);
             }
         }
-        came
+        totals
     }
 
     /// For each timeline the period in s that has most actions on the others, among those with the fewest lock-outs.
@@ -316,8 +316,8 @@ pub fn rows(extent: &Extent, lines: &[Timeline], done: impl Fn()) -> Vec<Row> {
 }
 
 impl Row {
-    fn new(strategy: Name, setup: &Setup, came: &Came, with_full: bool) -> Self {
-        let errors = Errors::of(came.hours.values().filter(|hour| with_full || hour.full == 0.0));
+    fn new(strategy: Name, setup: &Setup, totals: &Totals, with_full: bool) -> Self {
+        let errors = Errors::of(totals.hours.values().filter(|hour| with_full || hour.full == 0.0));
         let reservoir = setup.storage.reservoir();
         let begin = begin_v(reservoir.battery);
         let stored = reservoir.energy_j(begin);
@@ -329,15 +329,15 @@ impl Row {
             income_w: setup.storage.income,
             leakage_w: reservoir.leaking(stored) * stored,
             draw_spread: setup.spread,
-            share: came.share,
+            share: totals.share,
             error_median: errors.median,
             bound_median: errors.bound,
             inside: errors.inside,
             hours: errors.hours,
-            actions: came.actions,
-            actions_of_oracle: came.actions_of_oracle,
-            lock_outs: came.lock_outs,
-            shunted: came.shunted,
+            actions: totals.actions,
+            actions_of_oracle: totals.actions_of_oracle,
+            lock_outs: totals.lock_outs,
+            shunted: totals.shunted,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What harvesters yield, minute by minute, by trajectories of the full model over whole hours.
+//! What harvesters give, minute by minute, by trajectories of the full model over whole hours.
 
 use model_core::clock::Instant;
 use model_core::energy::PowerMeter;
@@ -18,7 +18,7 @@ pub(super) const LINES: usize = 200;
 const TOLERANCE: f64 = 1e-3;
 
 /// The acceleration of the base in a minute.
-pub type Shaking = AnyExcitation<'static, f64, LINES>;
+pub type Vibration = AnyExcitation<'static, f64, LINES>;
 
 /// A harvester of which there is a response map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
@@ -30,8 +30,8 @@ pub enum Kind {
 
 /// By what factors the true harvester differs from that of the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Off {
-    /// Of charge density, or of the piezoelectric coefficient: the yield goes with its square.
+pub struct Deviation {
+    /// Of charge density, or of the piezoelectric coefficient: the output power goes with its square.
     pub charge: f64,
     pub damping: f64,
     pub resistance: f64,
@@ -39,7 +39,7 @@ pub struct Off {
     pub resonance: f64,
 }
 
-impl Off {
+impl Deviation {
     /// As designed.
     pub const NONE: Self = Self { charge: 1.0, damping: 1.0, resistance: 1.0, resonance: 1.0 };
 }
@@ -50,8 +50,8 @@ impl Kind {
         [[20.1325, 0.09625], [18.37313, 0.064306], [245.16, 2.64]][self as usize]
     }
 
-    /// Amplitudes in m/s² and frequencies in Hz of shaking that the harvester is for.
-    pub(super) fn shaking(self) -> [[f64; 2]; 2] {
+    /// Amplitudes in m/s² and frequencies in Hz of vibration that the harvester is for.
+    pub(super) fn vibration(self) -> [[f64; 2]; 2] {
         [[[0.5, 3.0], [19.3, 21.0]], [[3.5, 7.0], [17.9, 18.9]], [[5.0, 40.0], [232.0, 258.0]]][self as usize]
     }
 
@@ -64,18 +64,22 @@ impl Kind {
         }
     }
 
-    /// Energies in J of each minute under the shaking of that minute; `off` at each tenth minute. A beam has its first mode
+    /// Energies in J of each minute under the vibration of that minute; `off` at each tenth minute. A beam has its first mode
     /// only, whose share of the power near the resonance is all but 10⁻³.
     ///
     /// # Errors
     /// If a shipped scene cannot be read or stepped.
-    pub fn minutes(self, shaking: &[Shaking], off: impl Fn(usize) -> Off) -> Result<Vec<f64>, Failure> {
+    pub fn minutes(
+        self,
+        vibration: &[Vibration],
+        off: impl Fn(usize) -> Deviation,
+    ) -> Result<Vec<f64>, Failure> {
         let name = ["node", "sliding", "bump-stop-none"][self as usize];
         let scene = scene_file::read(&scene_file::shipped(name), &[])?;
         let adaptive = Adaptive::new(TOLERANCE).map_err(fail)?;
         match &scene.model {
-            Model::ContactSeparation(model) => energies(shaking, &off, |off| {
-                let Off { charge, damping, resistance, resonance } = off;
+            Model::ContactSeparation(model) => energies(vibration, &off, |off| {
+                let Deviation { charge, damping, resistance, resonance } = off;
                 let mut with = contact_separation_parameters::<f64, Polynomial>(model, scene.load);
                 with.stiffness *= resonance * resonance;
                 with.damping_ratio *= damping;
@@ -83,8 +87,8 @@ impl Kind {
                 with.choices.load.resistance *= resistance;
                 Ok(Simulation::new(with.build().map_err(fail)?, ExponentialRadau, adaptive))
             }),
-            Model::Sliding(model) => energies(shaking, &off, |off| {
-                let Off { charge, damping, resistance, resonance } = off;
+            Model::Sliding(model) => energies(vibration, &off, |off| {
+                let Deviation { charge, damping, resistance, resonance } = off;
                 let mut with = sliding_parameters::<f64>(model, scene.load);
                 with.young_modulus *= resonance * resonance;
                 with.damping_ratio *= damping;
@@ -92,8 +96,8 @@ impl Kind {
                 with.choices.load.resistance *= resistance;
                 Ok(Simulation::new(with.build().map_err(fail)?, ExponentialRadau, adaptive))
             }),
-            Model::BumpStop(model) => energies(shaking, &off, |off| {
-                let Off { charge, damping, resistance, resonance } = off;
+            Model::BumpStop(model) => energies(vibration, &off, |off| {
+                let Deviation { charge, damping, resistance, resonance } = off;
                 let mut with = bump_stop_parameters::<f64>(model, scene.load);
                 with.substrate.young_modulus *= resonance * resonance;
                 with.piezo.young_modulus *= resonance * resonance;
@@ -110,27 +114,27 @@ fn fail(error: impl std::fmt::Display) -> Failure {
     Failure::Step(error.to_string())
 }
 
-/// Each ten minutes the harvester is another one, at rest. The same ten minutes yield the same.
+/// Each ten minutes the harvester is another one, at rest. The same ten minutes give the same.
 fn energies<H: Harvester<f64>>(
-    shaking: &[Shaking],
-    off: &impl Fn(usize) -> Off,
-    harvester: impl Fn(Off) -> Result<H, Failure>,
+    vibration: &[Vibration],
+    off: &impl Fn(usize) -> Deviation,
+    harvester: impl Fn(Deviation) -> Result<H, Failure>,
 ) -> Result<Vec<f64>, Failure> {
     let mut energies = Vec::new();
-    for (part, shakings) in shaking.chunks(10).enumerate() {
+    for (part, chunk) in vibration.chunks(10).enumerate() {
         let is_same = |other: &usize| {
-            off(10 * other) == off(10 * part) && shaking[10 * other..][..shakings.len()] == *shakings
+            off(10 * other) == off(10 * part) && vibration[10 * other..][..chunk.len()] == *chunk
         };
         if let Some(same) = (0..part).find(is_same) {
-            energies.extend_from_within(10 * same..10 * same + shakings.len());
+            energies.extend_from_within(10 * same..10 * same + chunk.len());
             continue;
         }
         let harvester = harvester(off(10 * part))?;
-        let mut state = harvester.start(&H::Start::default(), &shakings[0]).map_err(fail)?;
-        for (index, shaking) in shakings.iter().enumerate() {
+        let mut state = harvester.start(&H::Start::default(), &chunk[0]).map_err(fail)?;
+        for (index, vibration) in chunk.iter().enumerate() {
             let mut meter = PowerMeter::new();
             let end = Instant::from_whole_seconds(60 * (index as u32 + 1));
-            harvester.advance(&mut state, shaking, end, u32::MAX, &mut meter).map_err(fail)?;
+            harvester.advance(&mut state, vibration, end, u32::MAX, &mut meter).map_err(fail)?;
             energies.push(meter.delivered_energy());
         }
     }
@@ -138,7 +142,7 @@ fn energies<H: Harvester<f64>>(
 }
 
 /// A sine of an amplitude in m/s² and a frequency in Hz; silence without an amplitude.
-pub fn tone(amplitude: f64, frequency: f64) -> Shaking {
+pub fn tone(amplitude: f64, frequency: f64) -> Vibration {
     Sine::new(amplitude, frequency, 0.3)
         .ok()
         .filter(|_| amplitude > 0.0)
@@ -146,9 +150,9 @@ pub fn tone(amplitude: f64, frequency: f64) -> Shaking {
 }
 
 /// Acceleration in m/s² at a time in s since the start of a minute of a timeline.
-pub(super) fn acceleration(shaking: &Shaking, minute: usize, seconds: f64) -> f64 {
+pub(super) fn acceleration(vibration: &Vibration, minute: usize, seconds: f64) -> f64 {
     let at = Instant::from_seconds(60.0 * (minute % 10) as f64 + seconds);
-    at.map_or(0.0, |at| match shaking {
+    at.map_or(0.0, |at| match vibration {
         AnyExcitation::Silence => Excitation::<f64>::acceleration(&Silence, at),
         other => other.acceleration(at),
     })

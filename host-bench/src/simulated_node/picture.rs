@@ -1,4 +1,4 @@
-//! A day of each strategy as a picture: income estimated and true, stored energy, actions, what knowing costs.
+//! A day of each strategy as a picture: income estimated and true, stored energy, actions, the cost of estimation.
 
 use harvester_scene::market::Processor;
 use plotters::style::RGBColor;
@@ -30,8 +30,8 @@ pub(crate) fn picture(kind: Kind) -> Result<Picture, Failure> {
     let hours = |run: &Run, of: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
         run.hours.iter().enumerate().map(|(at, hour)| (hour.index as f64 + 0.5, of(at))).collect()
     };
-    let told = |run: &Run| hours(run, &|at| scale / 3.6 * run.hours[at].told);
-    let knowing = |run: &Run| {
+    let estimated = |run: &Run| hours(run, &|at| scale / 3.6 * run.hours[at].estimated);
+    let estimation = |run: &Run| {
         let spent = |at: usize| run.hours.get(at).map_or(0.0, |hour| hour.spent);
         let before = |at: usize| if at == 0 { 0.0 } else { spent(at - 1) };
         hours(run, &|at| 1e3 * scale / 3.6 * (spent(at) - before(at)))
@@ -57,10 +57,10 @@ pub(crate) fn picture(kind: Kind) -> Result<Picture, Failure> {
         Chart::new(title, across, Axis::linear(up, FROM_ZERO, 6), curves).grouped("hours", 320)
     };
     let charts = vec![
-        chart("Income of each hour", "mean power [µW]", Some(truth), &told),
+        chart("Income of each hour", "mean power [µW]", Some(truth), &estimated),
         chart("Storage", "stored energy [mJ]", None, &stored),
         chart("Actions", "actions since midnight", None, &acted),
-        chart("Knowing the income", "mean power [nW]", None, &knowing),
+        chart("Knowing the income", "mean power [nW]", None, &estimation),
     ];
     let title = "A day of a node by each strategy".to_owned();
     Ok(Picture { title, width: 980, charts, ..Picture::default() })

@@ -4,7 +4,7 @@ use harvester_scene::market::Reservoir;
 use model_core::node::{IncomeOfTime, Progress, Task, VoltageParameters, Wake};
 
 use super::Source;
-use super::harvester::{Shaking, acceleration};
+use super::harvester::{Vibration, acceleration};
 use super::settings::{CELL, CONVERTER_NOISE, Settings, UNIT, begin_v};
 use super::strategy::Strategy;
 
@@ -30,33 +30,33 @@ impl Parts {
         Self { standing: 1.0, action: 1.0, highest: 1.0, capacitance: 1.0, leakage: 1.0 };
 }
 
-/// An hour that a node has told. Energies in J.
+/// The estimate of an hour. Energies in J.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hour {
     /// Hour of the run in which most of it was, from 0.
     pub index: usize,
     pub truth: f64,
-    pub told: f64,
+    pub estimated: f64,
     pub bound: f64,
     /// Share of the hour in which the storage was full.
     pub full: f64,
     pub silent: f64,
-    /// Spent on knowing since the start.
+    /// Spent on estimation since the start.
     pub spent: f64,
 }
 
 impl Hour {
     /// Whether the truth is within the bound.
     pub fn is_inside(&self) -> bool {
-        (self.told - self.truth).abs() <= self.bound
+        (self.estimated - self.truth).abs() <= self.bound
     }
 }
 
-/// What came of a run. Energies in J.
+/// The result of a run. Energies in J.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Run {
     pub hours: Vec<Hour>,
-    /// Energy spent on knowing, and shunted, over the true income.
+    /// Energy spent on estimation, and shunted, over the true income.
     pub share: f64,
     pub shunted: f64,
     pub lock_outs: u32,
@@ -76,7 +76,7 @@ pub struct World<'a> {
     reservoir: Reservoir,
     rate: f64,
     minutes: &'a [f64],
-    shaking: &'a [Shaking],
+    vibration: &'a [Vibration],
     pub(super) parts: Parts,
     seed: u64,
     /// Second of the last reading, and readings before it in that second.
@@ -96,10 +96,10 @@ pub struct World<'a> {
 }
 
 impl<'a> World<'a> {
-    /// At 3 V or with a half-charged battery, under the energies in J and the shaking of each minute.
+    /// At 3 V or with a half-charged battery, under the energies in J and the vibration of each minute.
     pub fn new(
         settings: &Settings,
-        (minutes, shaking): (&'a [f64], &'a [Shaking]),
+        (minutes, vibration): (&'a [f64], &'a [Vibration]),
         parts: Parts,
         seed: u64,
     ) -> Self {
@@ -108,7 +108,7 @@ impl<'a> World<'a> {
             reservoir: settings.reservoir(parts.capacitance),
             rate: settings.rate(),
             minutes,
-            shaking,
+            vibration,
             parts,
             seed,
             read: u64::MAX,
@@ -232,7 +232,8 @@ impl<'a> World<'a> {
             let time = from + f64::from(n) / self.rate;
             let minute = (time / 60.0) as usize;
             let within = time - 60.0 * minute as f64;
-            let value = self.shaking.get(minute).map_or(0.0, |shaking| acceleration(shaking, minute, within));
+            let value =
+                self.vibration.get(minute).map_or(0.0, |vibration| acceleration(vibration, minute, within));
             counts.push(((value + GRAVITY) / UNIT + NOISE_COUNTS * self.random.normal()).round() as i16);
         }
         for burst in counts.chunks(170) {
@@ -273,16 +274,16 @@ impl<'a> World<'a> {
     }
 
     /// The hour that ends now.
-    fn hour(&self, told: IncomeOfTime, spent: f64) -> Hour {
-        let (end, begin) = (self.second() as usize, self.second().saturating_sub(told.seconds) as usize);
-        let seconds = f64::from(told.seconds);
+    fn hour(&self, estimated: IncomeOfTime, spent: f64) -> Hour {
+        let (end, begin) = (self.second() as usize, self.second().saturating_sub(estimated.seconds) as usize);
+        let seconds = f64::from(estimated.seconds);
         Hour {
             index: (begin + end) / 7200,
             truth: self.income[end] - self.income[begin],
-            told: told.energy.into(),
-            bound: told.bound.into(),
+            estimated: estimated.energy.into(),
+            bound: estimated.bound.into(),
             full: f64::from(self.full[end] - self.full[begin]) / seconds,
-            silent: f64::from(told.silent) / seconds,
+            silent: f64::from(estimated.silent) / seconds,
             spent,
         }
     }
@@ -313,7 +314,7 @@ impl<'a> World<'a> {
             }
             if strategy.last_hour() != last {
                 last = strategy.last_hour();
-                hours.extend(last.map(|told| self.hour(told, strategy.spent())));
+                hours.extend(last.map(|estimated| self.hour(estimated, strategy.spent())));
             }
         }
         let income = self.income[self.second() as usize];

@@ -1,4 +1,4 @@
-//! How a node is built, and what it is told of its parts.
+//! How a node is built, and the stated values of its parts.
 
 use harvester_scene::market::{
     Accelerometer, Battery, Code, CostModel, Instructions, Processor, Reservoir, node_instructions,
@@ -120,7 +120,7 @@ impl Settings {
         }
     }
 
-    /// For a harvester that yields these energies in J, minute by minute.
+    /// For a harvester that gives these energies in J, minute by minute.
     pub fn scaled(self, minutes: &[f64]) -> Self {
         Self { scale: self.income / (minutes.iter().sum::<f64>() / (60.0 * minutes.len() as f64)), ..self }
     }
@@ -253,7 +253,7 @@ impl Settings {
         };
         let node = build(map, bank, parameters).map_err(|error| error.to_string())?;
         Ok(Tiered::new(node, OneState::last_hour, MapOn::<E>::overall, |node, state| {
-            node.spent_on_knowing(state).into()
+            node.spent_on_estimation(state).into()
         }))
     }
 }

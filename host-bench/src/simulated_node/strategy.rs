@@ -1,6 +1,6 @@
 //! What drives a simulated node.
 
-use model_core::node::{Gap, IncomeOfTime, Progress, Tier, Wake};
+use model_core::node::{IncomeOfTime, Outage, Progress, Tier, Wake};
 
 /// A node as its plant sees it: when it reads, and when it acts.
 pub trait Strategy {
@@ -15,7 +15,7 @@ pub trait Strategy {
     /// The income of the last hour.
     fn last_hour(&self) -> Option<IncomeOfTime>;
 
-    /// Energy in J that knowing the income has taken.
+    /// Energy in J that estimating the income has taken.
     fn spent(&self) -> f64;
 }
 
@@ -46,7 +46,7 @@ impl<N: Tier> Strategy for Tiered<N> {
     fn wake(&mut self, now: u32, code: Option<u32>, was_off: bool) -> Wake {
         let Self { node, state, .. } = self;
         if was_off {
-            node.wake_after(state, Gap::LockedOutUntil(now), code)
+            node.wake_after(state, Outage::LockedOutUntil(now), code)
         } else {
             node.wake(state, now, code)
         }

@@ -1,15 +1,15 @@
-//! Hours of a harvester: what shakes it, and what it yields.
+//! Hours of a harvester: what shakes it, and what it gives.
 
 use model_core::excitation::{AnyExcitation, Burst, Random, Sine, SpectralDensity, Tones};
 
 use super::Source;
-use super::harvester::{Kind, LINES, Off, Shaking, tone};
+use super::harvester::{Deviation, Kind, LINES, Vibration, tone};
 use super::plant::GRAVITY;
 use crate::method::Failure;
 
 /// What shakes the harvester in an hour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Weather {
+pub enum VibrationKind {
     Tone,
     Beat,
     Bursts,
@@ -25,7 +25,7 @@ pub enum Weather {
     Silence,
 }
 
-impl Weather {
+impl VibrationKind {
     /// Those of random hours.
     pub const RANDOM: [Self; 5] = [Self::Tone, Self::Beat, Self::Bursts, Self::Drift, Self::Broadband];
 }
@@ -52,9 +52,9 @@ pub struct Timeline {
     /// Whether the harvester is the one of the map.
     pub as_designed: bool,
     /// Of each hour.
-    pub weathers: Vec<Weather>,
+    pub hour_kinds: Vec<VibrationKind>,
     /// Of each minute.
-    pub shaking: Vec<Shaking>,
+    pub vibration: Vec<Vibration>,
     /// Energies in J of each minute.
     pub minutes: Vec<f64>,
 }
@@ -82,56 +82,58 @@ impl Timeline {
         seed: u64,
     ) -> Result<Self, Failure> {
         let mut random = Source::of_seed(seed);
-        let (mut shaking, mut weathers) = (Vec::new(), Vec::<Weather>::new());
+        let (mut vibration, mut hour_kinds) = (Vec::new(), Vec::<VibrationKind>::new());
         for _ in 0..hours {
-            let weather = match course {
+            let vibration_kind = match course {
                 Course::Random | Course::Month => drawn(kind, &mut random),
-                Course::Truck => Weather::Truck,
-                Course::Speed => Weather::Speed,
-                Course::Walking => Weather::Walking,
+                Course::Truck => VibrationKind::Truck,
+                Course::Speed => VibrationKind::Speed,
+                Course::Walking => VibrationKind::Walking,
             };
             // A tone goes on for some hours.
-            let goes_on = weather == Weather::Tone && weathers.last() == Some(&Weather::Tone);
+            let goes_on =
+                vibration_kind == VibrationKind::Tone && hour_kinds.last() == Some(&VibrationKind::Tone);
             if goes_on && random.uniform(0.0, 1.0) < 0.6 {
-                shaking.extend_from_within(shaking.len() - 60..);
+                vibration.extend_from_within(vibration.len() - 60..);
             } else {
-                shaking.extend(hour(kind, weather, weathers.len(), &mut random).unwrap_or_default());
+                vibration
+                    .extend(hour(kind, vibration_kind, hour_kinds.len(), &mut random).unwrap_or_default());
             }
-            weathers.push(weather);
+            hour_kinds.push(vibration_kind);
         }
         let mut factor = |most: f64| libm::pow(most, 2.0 * random.uniform(0.0, 1.0) - 1.0);
         let off = if as_designed {
-            Off::NONE
+            Deviation::NONE
         } else {
-            Off {
+            Deviation {
                 charge: factor(1.41),
                 damping: factor(1.7),
                 resistance: factor(1.5),
                 resonance: factor(1.005),
             }
         };
-        let minutes = kind.minutes(&shaking, |minute| {
+        let minutes = kind.minutes(&vibration, |minute| {
             let part = (minute % 60) as f64 / 60.0 - 0.5;
-            let drifts = weathers[minute / 60] == Weather::Drift && !as_designed;
-            Off { resonance: off.resonance * if drifts { 1.0 + 0.02 * part } else { 1.0 }, ..off }
+            let drifts = hour_kinds[minute / 60] == VibrationKind::Drift && !as_designed;
+            Deviation { resonance: off.resonance * if drifts { 1.0 + 0.02 * part } else { 1.0 }, ..off }
         })?;
-        let line = Self { kind, as_designed, weathers, shaking, minutes };
+        let line = Self { kind, as_designed, hour_kinds, vibration, minutes };
         Ok(if course == Course::Month { line.month() } else { line })
     }
 
     /// The same hours in turn from 8 to 16 o'clock of the working days of thirty days.
     fn month(&self) -> Self {
-        let (mut to, mut at) = (Self { weathers: vec![], shaking: vec![], minutes: vec![], ..*self }, 0);
+        let (mut to, mut at) = (Self { hour_kinds: vec![], vibration: vec![], minutes: vec![], ..*self }, 0);
         for hour in 0..30 * 24 {
-            if hour / 24 % 7 < 5 && (8..16).contains(&(hour % 24)) && !self.weathers.is_empty() {
-                let from = at % self.weathers.len();
-                to.weathers.push(self.weathers[from]);
-                to.shaking.extend_from_slice(&self.shaking[60 * from..60 * from + 60]);
+            if hour / 24 % 7 < 5 && (8..16).contains(&(hour % 24)) && !self.hour_kinds.is_empty() {
+                let from = at % self.hour_kinds.len();
+                to.hour_kinds.push(self.hour_kinds[from]);
+                to.vibration.extend_from_slice(&self.vibration[60 * from..60 * from + 60]);
                 to.minutes.extend_from_slice(&self.minutes[60 * from..60 * from + 60]);
                 at += 1;
             } else {
-                to.weathers.push(Weather::Silence);
-                to.shaking.extend(vec![AnyExcitation::Silence; 60]);
+                to.hour_kinds.push(VibrationKind::Silence);
+                to.vibration.extend(vec![AnyExcitation::Silence; 60]);
                 to.minutes.extend([0.0; 60]);
             }
         }
@@ -139,30 +141,37 @@ impl Timeline {
     }
 }
 
-/// The weather of a random hour: a tone as often as all others but one.
-fn drawn(kind: Kind, random: &mut Source) -> Weather {
-    let weather = Weather::RANDOM[(random.uniform(0.0, 1.0) * 7.0) as usize % Weather::RANDOM.len()];
+/// The kind of vibration of a random hour: a tone as often as all others but one.
+fn drawn(kind: Kind, random: &mut Source) -> VibrationKind {
+    let vibration_kind =
+        VibrationKind::RANDOM[(random.uniform(0.0, 1.0) * 7.0) as usize % VibrationKind::RANDOM.len()];
     // Friction holds the slider under most noises.
-    let still = kind == Kind::Sliding && weather == Weather::Broadband;
-    if still { Weather::Tone } else { weather }
+    let still = kind == Kind::Sliding && vibration_kind == VibrationKind::Broadband;
+    if still { VibrationKind::Tone } else { vibration_kind }
 }
 
-/// Minutes of which `on` are of one shaking and `off` silent, in turn.
-fn in_turn([on, off]: [usize; 2], shaking: &Shaking) -> Vec<Shaking> {
-    let at = |minute: usize| if minute % (on + off) < on { shaking.clone() } else { AnyExcitation::Silence };
+/// Minutes of which `on` are of one vibration and `off` silent, in turn.
+fn in_turn([on, off]: [usize; 2], vibration: &Vibration) -> Vec<Vibration> {
+    let at =
+        |minute: usize| if minute % (on + off) < on { vibration.clone() } else { AnyExcitation::Silence };
     (0..60).map(at).collect()
 }
 
 /// A random acceleration of a spectral density between two points.
-fn noise(points: [[f64; 2]; 2], lines: usize, random: &mut Source) -> Option<Shaking> {
+fn noise(points: [[f64; 2]; 2], lines: usize, random: &mut Source) -> Option<Vibration> {
     let density = SpectralDensity::new(&points).ok()?;
     let seed = (1e9 * random.uniform(0.0, 1.0)) as u64;
     Some(AnyExcitation::Random(Random::new(&density, lines as u32, seed).ok()?))
 }
 
-/// The shaking of sixty minutes, from the hour of this index on.
-fn hour(kind: Kind, weather: Weather, index: usize, random: &mut Source) -> Option<Vec<Shaking>> {
-    let [[low, high], [first, last]] = kind.shaking();
+/// The vibration of sixty minutes, from the hour of this index on.
+fn hour(
+    kind: Kind,
+    vibration_kind: VibrationKind,
+    index: usize,
+    random: &mut Source,
+) -> Option<Vec<Vibration>> {
+    let [[low, high], [first, last]] = kind.vibration();
     let [resonance, half] = kind.resonance();
     let amplitude = low * libm::pow(high / low, random.uniform(0.0, 1.0));
     // Nearer to the resonance more often.
@@ -173,10 +182,10 @@ fn hour(kind: Kind, weather: Weather, index: usize, random: &mut Source) -> Opti
     let whole =
         |random: &mut Source, least: usize, more: f64| least + (more * random.uniform(0.0, 1.0)) as usize;
     let centre = frequency(random);
-    Some(match weather {
-        Weather::Silence => vec![AnyExcitation::Silence; 60],
-        Weather::Tone => vec![tone(amplitude, centre); 60],
-        Weather::Beat => {
+    Some(match vibration_kind {
+        VibrationKind::Silence => vec![AnyExcitation::Silence; 60],
+        VibrationKind::Tone => vec![tone(amplitude, centre); 60],
+        VibrationKind::Beat => {
             let mut tones = Tones::new();
             tones.push(Sine::new(amplitude, centre, 0.3).ok()?).ok()?;
             let other = frequency(random);
@@ -184,35 +193,35 @@ fn hour(kind: Kind, weather: Weather, index: usize, random: &mut Source) -> Opti
             tones.push(Sine::new(beside, other, 0.3).ok()?).ok()?;
             vec![AnyExcitation::Tones(tones); 60]
         }
-        Weather::Bursts => {
+        VibrationKind::Bursts => {
             let spans = [whole(random, 2, 8.0), whole(random, 2, 8.0)];
             in_turn(spans, &tone(amplitude, centre))
         }
-        Weather::Drift => {
+        VibrationKind::Drift => {
             let end = frequency(random);
             (0..60)
                 .map(|minute| tone(amplitude, centre + (end - centre) * f64::from(minute) / 60.0))
                 .collect()
         }
-        Weather::Speed => {
+        VibrationKind::Speed => {
             // Up in five hours and down in five.
             let part = |minute: u32| (f64::from(60 * index as u32 + minute) / 300.0 + 0.5).rem_euclid(2.0);
             let at = |minute| first + (last - first) * (1.0 - (part(minute) - 1.0).abs());
             (0..60).map(|minute| tone(amplitude, at(minute))).collect()
         }
-        Weather::Broadband => {
+        VibrationKind::Broadband => {
             // Even density from 0.8 to 1.25 of the resonance, with the mean square within ten half-bandwidths of a sine.
             let density = 0.5 * amplitude * amplitude / (10.0 * half) * random.uniform(0.0, 1.0).max(0.05);
             vec![noise([[0.8 * resonance, density], [1.25 * resonance, density]], LINES, random)?; 60]
         }
-        Weather::Truck => {
+        VibrationKind::Truck => {
             // What is near the resonance.
             let points =
                 [0.93 * resonance, 1.07 * resonance].map(|hertz| [hertz, GRAVITY * GRAVITY * truck(hertz)]);
             let spans = [whole(random, 15, 30.0), whole(random, 3, 15.0)];
             in_turn(spans, &noise(points, TRUCK_LINES, random)?)
         }
-        Weather::Walking => {
+        VibrationKind::Walking => {
             let peak = 10.0 + 10.0 * random.uniform(0.0, 1.0);
             let strikes = Burst::half_sine(peak, 0.02).ok()?.every(0.5).ok()?;
             let spans = [whole(random, 5, 20.0), whole(random, 2, 10.0)];

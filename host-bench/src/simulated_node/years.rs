@@ -1,20 +1,20 @@
 //! Years of a node: nights, weekends, seasons, ageing, clock steps, power losses and updates.
 //!
-//! The income of an hour is one of a few that the full model yields, each computed once. A node is driven by `Runner`, with an image
-//! after each hour that it tells.
+//! The income of an hour is one of a few that the full model gives, each computed once. A node is driven by `Runner`, with an image
+//! after each hour that it reports.
 
 mod quarter;
 
 use harvester_scene::market::Processor;
 use model_core::clock::Instant;
 use model_core::excitation::{Excitation, Sine};
-use model_core::node::{Board, Fault, Gap, Runner, Tier};
+use model_core::node::{Board, Fault, Outage, Runner, Tier};
 use model_core::scalar::{Mathematics, Polynomial};
 use rayon::prelude::*;
 
 use super::Source;
 use super::compared::Storage;
-use super::harvester::{Kind, Off, tone};
+use super::harvester::{Deviation, Kind, tone};
 use super::plant::{GRAVITY, NOISE_COUNTS};
 use super::settings::{CELL, CONVERTER_NOISE, Settings, UNIT};
 use super::strategy::Tiered;
@@ -32,7 +32,7 @@ const MOTIONS: [[f64; 2]; 8] =
 const LEAKING: f64 = 1e6;
 const SLOT: usize = 2048;
 
-/// What shakes a harvester for years, and what it yields in W.
+/// What shakes a harvester for years, and what it gives in W.
 struct Machine {
     sines: Vec<Sine<f64>>,
     powers: Vec<f64>,
@@ -43,7 +43,7 @@ impl Machine {
     fn new() -> Result<Self, Failure> {
         let (mut sines, mut powers) = (Vec::new(), Vec::new());
         for [amplitude, hertz] in MOTIONS {
-            let off = Off { charge: 0.95, damping: 1.2, ..Off::NONE };
+            let off = Deviation { charge: 0.95, damping: 1.2, ..Deviation::NONE };
             let minutes = Kind::ContactSeparation
                 .minutes(&[tone(amplitude, hertz), tone(amplitude, hertz)], |_| off)?;
             powers.push(minutes[1] / 60.0);
@@ -85,7 +85,7 @@ struct Site<'a> {
     second: u64,
     ahead: i64,
     income: f64,
-    knowing: f64,
+    estimation: f64,
     /// Second of the last reading, and hours without one.
     read: u64,
     frozen: u32,
@@ -124,7 +124,7 @@ impl<'a> Site<'a> {
             second: 0,
             ahead: 0,
             income: 0.0,
-            knowing: 0.0,
+            estimation: 0.0,
             read: 0,
             frozen: 0,
             random: Source::of_seed(7),
@@ -138,7 +138,7 @@ impl<'a> Site<'a> {
     }
 
     /// Power of the harvester in W, and the leakage over that of the data sheet.
-    fn weather(&self) -> [f64; 2] {
+    fn vibration_kind(&self) -> [f64; 2] {
         let year: f64 = Polynomial::sine_of_turns((self.second % (365 * DAY)) * (u64::MAX / (365 * DAY)));
         let power = Machine::motion(self.second).map_or(0.0, |motion| self.machine.powers[motion]);
         let part = self.second as f64 / self.end as f64;
@@ -154,7 +154,7 @@ impl<'a> Site<'a> {
         let was_off = self.is_off;
         while self.second < until && self.is_off == was_off {
             let seconds = (60 - self.second % 60).min(until - self.second) as f64;
-            let [power, leakage] = self.weather();
+            let [power, leakage] = self.vibration_kind();
             let draw = if self.is_off { 0.0 } else { self.standing };
             self.energy += seconds * (power - draw - leakage * self.leaking * self.energy);
             self.energy = self.energy.min(self.levels[2]);
@@ -190,7 +190,7 @@ impl Board for Site<'_> {
 
     fn storage_code(&mut self) -> Option<u32> {
         self.spend(self.costs[0]);
-        self.knowing += self.costs[0];
+        self.estimation += self.costs[0];
         self.frozen += ((self.second - self.read) / (2 * HOUR)) as u32;
         self.read = self.second;
         let noise = CONVERTER_NOISE * self.random.normal();
@@ -200,7 +200,7 @@ impl Board for Site<'_> {
 
     fn start_sensor(&mut self) -> Result<(), Fault> {
         self.spend(self.costs[1]);
-        self.knowing += self.costs[1];
+        self.estimation += self.costs[1];
         self.burst = Some((self.second, 0));
         Ok(())
     }
@@ -245,7 +245,7 @@ fn event<N: Tier>(
     stress: Stress,
     events: &mut Source,
     buffer: &mut [u8],
-) -> (Option<Gap>, bool)
+) -> (Option<Outage>, bool)
 where
     N::State: Copy,
 {
@@ -265,7 +265,8 @@ where
         site.turn_on();
     }
     let clock = site.clock();
-    let gaps = [Gap::OnUntil(clock), Gap::OffUntil(clock), Gap::LockedOutUntil(clock), Gap::Unknown];
+    let gaps =
+        [Outage::OnUntil(clock), Outage::OffUntil(clock), Outage::LockedOutUntil(clock), Outage::Unknown];
     (gaps.get(kind).copied(), refused)
 }
 
@@ -273,7 +274,7 @@ where
 fn resumed<'n, 's, N: Tier>(
     runner: Runner<'n, Site<'s>, N>,
     node: &'n N,
-    gap: Gap,
+    gap: Outage,
     buffer: &mut [u8],
 ) -> (Runner<'n, Site<'s>, N>, bool)
 where
@@ -295,8 +296,8 @@ where
 {
     let (stress, end, mut quarters, mut buffer) = (site.stress, site.end, Vec::new(), [0; SLOT]);
     let mut events = Source::of_seed(11);
-    // The version; income at the last hour told, and of which nothing is told; income and knowing at the begin of the quarter.
-    let (mut version, mut told, mut untold, mut begun) = (0, 0.0, 0.0, [0.0; 2]);
+    // The version; income at the last reported hour, and income without an estimate; income and estimation at the begin of the quarter.
+    let (mut version, mut reported, mut unreported, mut begun) = (0, 0.0, 0.0, [0.0; 2]);
     let (mut last, mut inside, mut next) = (None, 0, 5 * DAY);
     let mut runner = Runner::new(site, &nodes[0].node, 0);
     while (quarters.len() as u64) < end / QUARTER && runner.board().second < 2 * end {
@@ -304,7 +305,7 @@ where
         let (mut gap, now) = (None, runner.board().second);
         if runner.board().is_off {
             runner.board_mut().turn_on();
-            gap = Some(Gap::LockedOutUntil(runner.board().clock()));
+            gap = Some(Outage::LockedOutUntil(runner.board().clock()));
         } else if runner.is_idle() && now >= next {
             let every = if stress == Stress::Updates { 30 * DAY } else { 5 * DAY };
             next = now + every + events.uniform(0.0, 0.4 * every as f64) as u64;
@@ -313,9 +314,9 @@ where
             (gap, quarter.refused_images) = (happened, quarter.refused_images + u32::from(refused));
         }
         if let Some(gap) = gap {
-            if gap == Gap::Unknown {
-                untold += runner.board().income - told;
-                told = runner.board().income;
+            if gap == Outage::Unknown {
+                unreported += runner.board().income - reported;
+                reported = runner.board().income;
             }
             let is_refused;
             (runner, is_refused) = resumed(runner, &nodes[version].node, gap, &mut buffer);
@@ -326,11 +327,11 @@ where
             continue;
         }
         last = hour;
-        let Site { income, knowing, frozen, .. } = *runner.board();
+        let Site { income, estimation, frozen, .. } = *runner.board();
         if let Some(hour) = hour {
-            inside += u32::from(quarter.count(hour, income - told));
+            inside += u32::from(quarter.count(hour, income - reported));
         }
-        told = income;
+        reported = income;
         quarter.refused_images += u32::from(runner.save(&mut buffer).is_err());
         if now >= u64::from(quarter.quarter) * QUARTER {
             let sum = (nodes[version].overall)(&nodes[version].node, runner.state());
@@ -338,12 +339,12 @@ where
                 inside: f64::from(inside) / f64::from(quarter.hours),
                 sum_estimated_j: scale * f64::from(sum.energy),
                 sum_bound_j: scale * f64::from(sum.bound),
-                sum_true_j: scale * (income - untold),
-                share: (knowing - begun[1]) / (income - begun[0]),
+                sum_true_j: scale * (income - unreported),
+                share: (estimation - begun[1]) / (income - begun[0]),
                 frozen_hours: frozen,
                 ..quarter
             });
-            (begun, inside, runner.board_mut().frozen) = ([income, knowing], 0, 0);
+            (begun, inside, runner.board_mut().frozen) = ([income, estimation], 0, 0);
             quarter = quarter.next();
         }
     }

@@ -160,7 +160,7 @@ const STANDARD_ERRORS: f64 = 3.0;
 const DEVIATIONS: f64 = 5.0;
 /// Standard error of the difference over the mean above which the statistics are too uncertain to agree.
 const MOST_UNCERTAIN: f64 = 0.2;
-/// Difference over the mean above which statistics that may be the same by their sampling errors are not told to agree.
+/// Difference over the mean above which statistics that may be the same by their sampling errors are not taken to agree.
 const MOST_APART: f64 = 0.1;
 
 /// How the statistics of a run compare with those of an ensemble.

@@ -60,10 +60,10 @@ pub fn grid(kind: Kind, extent: Extent) -> Vec<Case> {
     };
     // A value of one list may be the middle of another.
     let mut known = BTreeSet::new();
-    let kept = settings.into_iter().filter(|setting| known.insert(setting.arguments()));
+    let distinct = settings.into_iter().filter(|setting| known.insert(setting.arguments()));
     let both =
         |case: Case| [Precision::F32, Precision::F64].map(|precision| Case { precision, ..case.clone() });
-    kept.flat_map(both).collect()
+    distinct.flat_map(both).collect()
 }
 
 /// The shipped scene as a case; its precision is that of no run.

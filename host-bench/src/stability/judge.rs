@@ -33,7 +33,7 @@ pub enum Class {
     /// It is not, but the more accurate run diverges from one with a start displaced or a base acceleration changed by
     /// 10⁻⁹, and the statistics of all these runs agree.
     Chaotic,
-    /// As chaotic, but the standard error of the statistics is more than a fifth of their mean: they can be told
+    /// As chaotic, but the standard error of the statistics is more than a fifth of their mean: they can be stated
     /// neither to agree nor to differ.
     Undecided,
     /// It is not, and a warning that begins with `accuracy:` says so.
@@ -43,7 +43,7 @@ pub enum Class {
     /// A step could not be taken, and the error says why.
     NamedError,
     /// Stopped after the most attempted steps.
-    TooDear,
+    StepLimit,
     /// No more accurate run came to its end.
     #[default]
     Unjudged,
@@ -168,7 +168,7 @@ impl Judge {
             Ok(found) => found,
             Err(Failure::Input(reason)) => return Finding::new(Class::Refused, reason),
             Err(Failure::Step(reason)) => return Finding::new(Class::NamedError, reason),
-            Err(Failure::StepLimitExceeded(reason)) => return Finding::new(Class::TooDear, reason),
+            Err(Failure::StepLimitExceeded(reason)) => return Finding::new(Class::StepLimit, reason),
         };
         let mut finding = Finding {
             stated: outcome.accuracy.total,
@@ -338,7 +338,7 @@ mod tests {
     #[test]
     fn a_run_that_takes_too_many_steps_is_given_up_and_a_bad_key_is_refused() {
         let found = judge(&shipped(&[]), Effort { most_attempts: 1000, ..EFFORT });
-        assert_eq!(found.class, Class::TooDear);
+        assert_eq!(found.class, Class::StepLimit);
         assert!(found.reason.starts_with("given up after 1000 attempted steps at 0."), "{found:?}");
         let found = judge(&shipped(&["load.resistance_ohm=-1"]), EFFORT);
         assert_eq!(found.class, Class::Refused);

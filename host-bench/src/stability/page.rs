@@ -194,7 +194,7 @@ fn colour(class: Class) -> &'static str {
         Class::Warned => "#E69F00",
         Class::Refused => "#D0D7DE",
         Class::NamedError => "#8C959F",
-        Class::TooDear => "#56B4E9",
+        Class::StepLimit => "#56B4E9",
         Class::Unjudged => "#CC79A7",
         Class::Wrong => "#D55E00",
         Class::Broken => "#000000",

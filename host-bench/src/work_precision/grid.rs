@@ -57,7 +57,7 @@ pub(crate) struct Row {
     cross_check: f64,
 }
 
-/// Whether the mean power is known well enough to tell whether a run meets the accuracy.
+/// Whether the mean power is known well enough to decide whether a run meets the accuracy.
 fn is_known(cross_check: f64, accuracy: f64) -> bool {
     cross_check <= AGREED * accuracy
 }

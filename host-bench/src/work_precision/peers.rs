@@ -11,7 +11,7 @@ use super::least;
 use crate::method::Failure;
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{Load, RunSpan, Scene};
-use harvester_peers::{Case, Found, Method, Stop, fits};
+use harvester_peers::{Case, Measured, Method, Stop, fits};
 
 use rayon::prelude::*;
 pub(crate) use table::{csv, draw, text};
@@ -130,8 +130,8 @@ fn scene(case: &Case) -> Result<Scene, Failure> {
     case.scene().map_err(|error| Failure::Input(error.to_string()))
 }
 
-/// Runs all methods on a case; `tell` is given what is done.
-pub(crate) fn compare(case: Case, tell: &dyn Fn(&str)) -> Result<Comparison, Failure> {
+/// Runs all methods on a case; `progress` is called with what is done.
+pub(crate) fn compare(case: Case, progress: &dyn Fn(&str)) -> Result<Comparison, Failure> {
     let began = Instant::now();
     let scene = scene(&case)?;
     let reference = reference::run(&scene, &ReferenceOptions::default())
@@ -167,7 +167,7 @@ pub(crate) fn compare(case: Case, tell: &dyn Fn(&str)) -> Result<Comparison, Fai
         count(&case, &methods, &mut rows)?;
     }
     let counted = began.elapsed().as_secs_f64() - timed;
-    tell(&format!("{}: {timed:.0} s of runs, {counted:.0} s of counting", case.name));
+    progress(&format!("{}: {timed:.0} s of runs, {counted:.0} s of counting", case.name));
     Ok(Comparison { case, mean_power_w, methods: rows, by_count })
 }
 
@@ -203,7 +203,7 @@ fn ladder(scene: &Scene, method: Method, reference: f64, blank: &dyn Fn(f64) -> 
 }
 
 /// A run with the least of the processor times of some, and their spread.
-fn timed(scene: &Scene, method: Method, setting: f64) -> Result<(Found, Option<f64>), Stop> {
+fn timed(scene: &Scene, method: Method, setting: f64) -> Result<(Measured, Option<f64>), Stop> {
     let began = Instant::now();
     let found = harvester_peers::run(scene, method, setting)?;
     let mut times = vec![found.seconds_per_simulated_second];
@@ -211,7 +211,7 @@ fn timed(scene: &Scene, method: Method, setting: f64) -> Result<(Found, Option<f
         times.push(harvester_peers::run(scene, method, setting)?.seconds_per_simulated_second);
     }
     let (seconds_per_simulated_second, spread) = least(&times);
-    Ok((Found { seconds_per_simulated_second, ..found }, spread))
+    Ok((Measured { seconds_per_simulated_second, ..found }, spread))
 }
 
 /// Whether a row of a method is counted.
@@ -282,11 +282,11 @@ fn instructions(case: &Case, method: Method, setting: f64, duration_s: f64) -> R
         .args([RUN_ONE, case.name, method.name(), &setting.to_string(), &duration_s.to_string()])
         .output()
         .map_err(|error| failed(error.to_string()))?;
-    let told = String::from_utf8_lossy(&output.stderr);
-    let counted = told.lines().find_map(|line| line.split_once("I refs:").or(line.split_once("I   refs:")));
+    let text = String::from_utf8_lossy(&output.stderr);
+    let counted = text.lines().find_map(|line| line.split_once("I refs:").or(line.split_once("I   refs:")));
     let count = counted.and_then(|(_, count)| count.trim().replace(',', "").parse().ok());
     count.filter(|_| output.status.success()).ok_or_else(|| {
-        let last = told.lines().last().unwrap_or("no output");
+        let last = text.lines().last().unwrap_or("no output");
         failed(format!("{} of {}: {last}", method.name(), case.name))
     })
 }

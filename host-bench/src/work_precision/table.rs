@@ -4,7 +4,7 @@ use comfy_table::presets;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use super::{Comparison, Found, Kind, Omitted, Row};
+use super::{Comparison, Kind, Measured, Omitted, Row};
 use crate::method::{Math, Method, Options, Precision};
 use crate::outcome::{csv_line, csv_sections, name, number, optional_number, small, table};
 
@@ -21,7 +21,7 @@ enum Value {
     Error(&'static str),
     Of(fn(&Comparison, &Row) -> Cell),
     /// Of a row that did not fail.
-    Found(fn(&Found) -> Cell),
+    Measured(fn(&Measured) -> Cell),
 }
 
 impl Column {
@@ -44,8 +44,12 @@ impl Column {
         Self { heading, key, value: Value::Of(value) }
     }
 
-    pub(super) const fn found(heading: &'static str, key: &'static str, value: fn(&Found) -> Cell) -> Self {
-        Self { heading, key, value: Value::Found(value) }
+    pub(super) const fn found(
+        heading: &'static str,
+        key: &'static str,
+        value: fn(&Measured) -> Cell,
+    ) -> Self {
+        Self { heading, key, value: Value::Measured(value) }
     }
 
     pub(super) const fn error(heading: &'static str, name: &'static str) -> Self {
@@ -56,7 +60,7 @@ impl Column {
         match self.value {
             Value::Error(name) => Cell::Small(row.error(name)),
             Value::Of(value) => value(comparison, row),
-            Value::Found(value) => row.found.as_ref().map_or(Cell::Small(None), value),
+            Value::Measured(value) => row.found.as_ref().map_or(Cell::Small(None), value),
         }
     }
 }

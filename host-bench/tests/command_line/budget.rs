@@ -1,6 +1,6 @@
 //! A day of a node.
 
-use super::tool::{SHIPPED, accepted, folder, refused};
+use super::tool::{SHIPPED, accepted, folder, host_bench, refused};
 
 const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
 
@@ -20,6 +20,29 @@ fn json(name: &str, options: &[&str]) -> serde_json::Value {
 
 fn number(day: &serde_json::Value, key: &str) -> f64 {
     day[key].as_f64().unwrap_or(f64::NAN)
+}
+
+/// Keys of version 0.1 are read as the new ones, with a line for each.
+#[test]
+fn an_old_key_works_with_a_warning() {
+    let short = ["--format", "json", "--set", "run.duration_s=3", "--set", "run.settle_s=2"];
+    let day = |file: &str, more: &[&str]| {
+        let output = host_bench(&[&["budget", file], &short[..], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let day: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+        (day["estimation"].clone(), String::from_utf8(output.stderr).expect("text"))
+    };
+    let old = folder("budget-old").join("node.toml");
+    let text = std::fs::read_to_string(NODE).expect("the scene").replace("[node.burst]", "[node.listen]");
+    std::fs::write(&old, text).expect("written");
+    let file = old.to_str().expect("a plain path");
+    let (found, warnings) = day(file, &["--set", "node.listen.every_s=400"]);
+    let (expected, none) = day(NODE, &["--set", "node.burst.every_s=400"]);
+    assert!(found == expected && found[0]["name"] == "burst", "{found} {expected}");
+    assert!(
+        warnings.contains("node.listen is now named node.burst") && !none.contains("now named"),
+        "{warnings}"
+    );
 }
 
 #[test]
@@ -63,8 +86,8 @@ fn what_knowing_costs_is_counted_by_the_figures_of_the_parts() {
     assert!(
         (of("standing_power_w") - 2.4e-6).abs() < 1e-15 && of("asleep_power_w") == of("standing_power_w")
     );
-    let knowing = day["knowing"].as_array().expect("a list");
-    let [listen, reading] = knowing.as_slice() else { panic!("a listen and a reading: {day}") };
+    let knowing = day["estimation"].as_array().expect("a list");
+    let [burst, reading] = knowing.as_slice() else { panic!("a burst and a reading: {day}") };
     // 1284 samples at 400 Hz, 3 µA and 2 V; 45 788 instructions of 1.5 cycles; 48 bits a sample, 170 in the FIFO.
     let wake_up = 264e-12 * 32e6 * 5e-6;
     let costs = [
@@ -75,31 +98,34 @@ fn what_knowing_costs_is_counted_by_the_figures_of_the_parts() {
         ("waiting_j", 0.0),
     ];
     for (key, joules) in costs {
-        assert!((number(listen, key) - joules).abs() < 1e-12, "{key} {listen}");
+        assert!((number(burst, key) - joules).abs() < 1e-12, "{key} {burst}");
     }
     let sum: f64 = costs.iter().map(|(_, joules)| joules).sum();
-    assert!((number(listen, "energy_j") - sum).abs() < 1e-12);
+    assert!((number(burst, "energy_j") - sum).abs() < 1e-12);
     assert!((number(reading, "energy_j") - 0.15e-6 - wake_up).abs() < 1e-12, "{reading}");
     // Near the lock-out before dawn the budget refuses some.
-    let runs = (number(listen, "runs"), number(reading, "runs"));
+    let runs = (number(burst, "runs"), number(reading, "runs"));
     assert!((280.0..=288.0).contains(&runs.0) && (1400.0..=1440.0).contains(&runs.1), "{runs:?}");
     // The storage has no converter behind it.
-    let spent = number(listen, "spent_j") + number(reading, "spent_j");
-    assert!((of("knowing_j") / spent - 1.0).abs() < 1e-12);
-    assert!((of("knowing_share_of_income") - spent / of("income_j")).abs() < 1e-12);
-    assert!(of("knowing_share_of_income") < 0.01, "{day}");
+    let spent = number(burst, "spent_j") + number(reading, "spent_j");
+    assert!((of("estimation_j") / spent - 1.0).abs() < 1e-12);
+    assert!((of("estimation_share_of_income") - spent / of("income_j")).abs() < 1e-12);
+    assert!(of("estimation_share_of_income") < 0.01, "{day}");
     let figures = day["figures"].as_array().expect("a list");
     let marks = ["confirmed", "secondary", "unconfirmed", "estimated"];
     assert!(figures.iter().all(|figure| marks.iter().any(|mark| figure["evidence"] == *mark)));
     assert!(figures.iter().any(|figure| figure["part"] == "ADXL362" && figure["evidence"] == "confirmed"));
-    // Behind a gated supply the clock alone stands, and a listen has a cold start and waits.
+    // Behind a gated supply the clock alone stands, and a burst has a cold start and waits.
     let gated = json("budget-gated", &["--set", "node.parts.clock=\"ab18x5-crystal\""]);
     assert!((number(&gated, "standing_power_w") - 165e-9).abs() < 1e-15);
     let start = 1e-6 * 9.0 + 264e-12 * 32e6 * 2e-3;
-    assert!((number(&gated["knowing"][0], "wake_up_j") - start - 7.0 * wake_up).abs() < 1e-12, "{gated}");
-    assert!((number(&gated["knowing"][0], "waiting_j") - 2.4e-6 * 1284.0 / 400.0).abs() < 1e-12, "{gated}");
+    assert!((number(&gated["estimation"][0], "wake_up_j") - start - 7.0 * wake_up).abs() < 1e-12, "{gated}");
+    assert!(
+        (number(&gated["estimation"][0], "waiting_j") - 2.4e-6 * 1284.0 / 400.0).abs() < 1e-12,
+        "{gated}"
+    );
     // A cold start for each reading, 25.9 µJ each minute, is more than a hundredth.
-    assert!(number(&gated, "knowing_share_of_income") > 0.01, "{gated}");
+    assert!(number(&gated, "estimation_share_of_income") > 0.01, "{gated}");
 }
 
 #[test]
@@ -119,12 +145,12 @@ fn a_node_without_named_parts_states_all_itself() {
     let short = ["--set", "run.duration_s=3", "--set", "run.settle_s=2", "--svg", svg, "--format", "json"];
     let day: serde_json::Value =
         serde_json::from_str(&accepted(&[&["budget", scene], &short[..]].concat())).expect("one JSON object");
-    assert_eq!((number(&day, "standing_power_w"), number(&day, "knowing_j")), (1.5e-6, 0.0));
+    assert_eq!((number(&day, "standing_power_w"), number(&day, "estimation_j")), (1.5e-6, 0.0));
     assert!(day["asleep_power_w"].is_null() && day["figures"] == serde_json::json!([]), "{day}");
     assert!(!std::fs::read_to_string(&picture).expect("the picture").contains("Knowing"));
     let with = |change: &str, parts: &[&str]| refused(&["budget", scene, "--set", change], parts);
     with("node.actions.1.packet_bytes=20", &["node.actions[1].packet_bytes = 20", "needs node.parts"]);
-    with("node.listen={every_s=60}", &["node.listen", "needs node.parts"]);
+    with("node.burst={every_s=60}", &["node.burst", "needs node.parts"]);
 }
 
 #[test]
@@ -141,22 +167,22 @@ fn parts_that_are_not_there_are_refused_with_their_list() {
     with("node.parts.processor=\"sam-d21\"", &["its current asleep is not known", "name a clock"]);
     with("node.parts={processor=\"nrf52832\"}", &["node.actions[1].packet_bytes", "node.parts.radio"]);
     let deaf = "node.parts={processor=\"nrf52832\",radio=\"nrf52832-0-dbm\"}";
-    with(deaf, &["node.listen.samples", "node.parts.accelerometer"]);
-    with("node.listen.rate_hz=401", &["node.listen.rate_hz = 401", "at most 400", "ADXL362"]);
-    with("node.listen.samples=0.5", &["node.listen.samples = 0.5", "whole number from 1"]);
-    with("node.listen.code=\"x\"", &["node.listen.code", "\"filter\" or \"trajectory\""]);
-    with("node.listen.every_s=0", &["node.listen.every_s = 0", "from 1 to 86400"]);
+    with(deaf, &["node.burst.samples", "node.parts.accelerometer"]);
+    with("node.burst.rate_hz=401", &["node.burst.rate_hz = 401", "at most 400", "ADXL362"]);
+    with("node.burst.samples=0.5", &["node.burst.samples = 0.5", "whole number from 1"]);
+    with("node.burst.code=\"x\"", &["node.burst.code", "\"filter\" or \"trajectory\""]);
+    with("node.burst.every_s=0", &["node.burst.every_s = 0", "from 1 to 86400"]);
     with("node.voltage_reading={}", &["node.voltage_reading.every_s: is missing"]);
     with("node.actions.1.packet_bytes=256", &["node.actions[1].packet_bytes = 256", "0 to 255"]);
-    with("node.actions.0.name=\"listen\"", &["node.actions[0].name", "must not be listen"]);
+    with("node.actions.0.name=\"burst\"", &["node.actions[0].name", "must not be burst"]);
     let short = "node.parts.radio=\"nrf52832-0-dbm\"";
     refused(
         &["budget", NODE, "--set", short, "--set", "node.actions.1.packet_bytes=32"],
         &["node.actions[1].packet_bytes = 32", "at most 31"],
     );
     refused(
-        &["sweep", NODE, "--over", "node.listen.every_s=60:120:2"],
-        &["--over node.listen.every_s", "[node] is of the command budget"],
+        &["sweep", NODE, "--over", "node.burst.every_s=60:120:2"],
+        &["--over node.burst.every_s", "[node] is of the command budget"],
     );
 }
 

@@ -74,7 +74,7 @@ fn an_error_above_the_value_is_not_a_value() {
     let total = found["accuracy"]["total"].as_f64().expect("a statement");
     assert!(total > 1.0, "{total}");
     assert!(
-        warnings.contains("accuracy: the mean power cannot be told: the estimated relative error"),
+        warnings.contains("accuracy: the mean power cannot be determined: the estimated relative error"),
         "{warnings}"
     );
     assert!(warnings.contains("a longer run.duration_s may help"), "{warnings}");

@@ -76,7 +76,7 @@ fn a_page_has_the_cells_of_the_grid_and_all_runs() {
         (Some(4), Some(9))
     );
     let titles: Vec<&Value> =
-        field["tells"].as_array().expect("a list").iter().map(|told| &told["title"]).collect();
+        field["readouts"].as_array().expect("a list").iter().map(|told| &told["title"]).collect();
     assert_eq!(titles, [FREQUENCY, "parameters.damping_ratio", "peak_gap_m"]);
     // The best so far never falls, and ends at the value.
     let curves = charts[1]["curves"].as_array().expect("a list");

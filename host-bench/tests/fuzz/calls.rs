@@ -6,7 +6,7 @@ use model_core::energy::{Estimator, ResponseMap};
 use model_core::excitation::LineBank;
 use model_core::integrate::{Adaptive, ExponentialRadau, TrBdf2};
 use model_core::node::{
-    Bursts, Converter, Gap, MapNode, MapParameters, Regular, Sensor, Task, Tier, Tolerances, VoltageNode,
+    Bursts, Converter, MapNode, MapParameters, Outage, Regular, Sensor, Task, Tier, Tolerances, VoltageNode,
     VoltageParameters,
 };
 use model_core::scalar::Scalar;
@@ -180,9 +180,12 @@ fn call_node<N: Tier<State: core::fmt::Debug>>(
         };
         let wake = match below(bytes, 16) {
             0 => {
-                let gap =
-                    [Gap::OnUntil(second), Gap::OffUntil(second), Gap::LockedOutUntil(second), Gap::Unknown]
-                        [below(bytes, 4)];
+                let gap = [
+                    Outage::OnUntil(second),
+                    Outage::OffUntil(second),
+                    Outage::LockedOutUntil(second),
+                    Outage::Unknown,
+                ][below(bytes, 4)];
                 node.wake_after(&mut state, gap, code)
             }
             1 => {
@@ -203,8 +206,8 @@ fn call_node<N: Tier<State: core::fmt::Debug>>(
         (again_in, is_read) = (wake.again_in, wake.read);
         if let (Task::Burst { samples }, true) = (wake.task, below(bytes, 4) > 0) {
             let loud = [0.0, 21.0, 2000.0, 4e4][below(bytes, 4)];
-            let shaking = |n: u32| (1024.0 + loud * (1.2378 * f64::from(n)).sin()).round() as i16;
-            let taken: Vec<i16> = (0..samples.min(2000)).map(shaking).collect();
+            let vibration = |n: u32| (1024.0 + loud * (1.2378 * f64::from(n)).sin()).round() as i16;
+            let taken: Vec<i16> = (0..samples.min(2000)).map(vibration).collect();
             let _progress = node.samples(&mut state, &taken);
         } else if below(bytes, 16) == 0 {
             let _progress = node.samples(&mut state, &[any(bytes), i16::MAX, i16::MIN]);

@@ -7,7 +7,7 @@ use model_core::energy::estimator::Sample;
 use model_core::energy::{
     Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,
 };
-use model_core::node::{Gap, Progress, Task, Tier, VoltageNode};
+use model_core::node::{Outage, Progress, Task, Tier, VoltageNode};
 use model_core::scalar::Scalar;
 use model_core::snapshot::{self, Configuration, SnapshotError};
 
@@ -160,7 +160,7 @@ fn nodes_by_the_voltage() {
     }
     judge("images of a node, voltage", 8000, (&node, &state), |_, mut state| {
         let now = VoltageNode::<1>::second(&state);
-        node.wake_after(&mut state, Gap::LockedOutUntil(now.saturating_add(7200)), Some(2000));
+        node.wake_after(&mut state, Outage::LockedOutUntil(now.saturating_add(7200)), Some(2000));
         for (minute, code) in [2400, 2401, 0, 4095, 1000].into_iter().enumerate() {
             let now = now.saturating_add(7260 + 60 * minute as u32);
             let wake = node.wake(&mut state, now, Some(code));
@@ -176,9 +176,9 @@ fn nodes(name: &'static str, state: <OneNode as Configuration>::State) {
     judge(name, 2500, (&node, &state), |_, mut state| {
         let before = OneNode::second(&state);
         wake_some_times(&node, &mut state, 40, 2500, 0);
-        node.wake_after(&mut state, Gap::OffUntil(before.saturating_add(7200)), Some(2000));
+        node.wake_after(&mut state, Outage::OffUntil(before.saturating_add(7200)), Some(2000));
         wake_some_times(&node, &mut state, 40, 2100, 0);
-        node.wake_after(&mut state, Gap::Unknown, Some(2300));
+        node.wake_after(&mut state, Outage::Unknown, Some(2300));
         wake_some_times(&node, &mut state, 40, 2310, 0);
         assert!(OneNode::second(&state) >= before);
     });
@@ -210,8 +210,8 @@ fn wake_some_times(
     code: u32,
     rest: usize,
 ) {
-    let shaking = |n: usize| (1024.0 + 21.0 * (1.2378 * n as f64).sin()).round() as i16;
-    let samples: Vec<i16> = (0..644).map(shaking).collect();
+    let vibration = |n: usize| (1024.0 + 21.0 * (1.2378 * n as f64).sin()).round() as i16;
+    let samples: Vec<i16> = (0..644).map(vibration).collect();
     let mut now = OneNode::second(state);
     let mut wake = node.wake(state, now, Some(code));
     for _ in 0..times {

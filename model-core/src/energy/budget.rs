@@ -83,7 +83,7 @@ pub struct Budget<S: 'static, const SLOTS: usize> {
     pub(super) standing_power: S,
     pub(super) slots: SlotRelaxations<S>,
     /// Part of the stored energy that a day leaves, and energy in J from the storage that the standing load draws in it.
-    pub(super) day_kept: S,
+    pub(super) day_remaining: S,
     pub(super) day_drawn: S,
 }
 
@@ -175,7 +175,7 @@ impl<S: Scalar> BudgetParameters<S> {
             income: self.income.build()?,
             standing_power: self.standing_power,
             slots: SlotRelaxations::new::<SLOTS>(&storage),
-            day_kept: storage.relaxation(day).kept,
+            day_remaining: storage.relaxation(day).remaining,
             day_drawn: storage.drawn(self.standing_power * day),
             storage,
         })
@@ -287,8 +287,8 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         let seconds = S::from_u32(state.income.seconds_until(now)) + action.duration();
         let used = action.energy() + self.standing_power * seconds;
         // Leakage is largest if all energy is drawn at the end.
-        let kept = (state.energy - state.uncertainty) * self.storage.relaxation(seconds).kept;
-        let left = kept - state.pending - self.storage.drawn(used);
+        let remaining = (state.energy - state.uncertainty) * self.storage.relaxation(seconds).remaining;
+        let left = remaining - state.pending - self.storage.drawn(used);
         let rounding = S::from_f64(4.0) * S::EPSILON * self.storage.capacity();
         left >= self.storage.lock_out() + rounding
     }
@@ -311,10 +311,10 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
 
         // The lower bound of the energy: all income first, the part without room lost, then leakage, then all
         // expenditure. Its distance from the stored energy is computed term by term, so that nothing cancels.
-        let mut distance = state.uncertainty * relaxation.kept
+        let mut distance = state.uncertainty * relaxation.remaining
             + income * relaxation.lost_by_early_income()
             + wanted * relaxation.lost_of_income()
-            + (least + income - storage.capacity()).max(S::ZERO) * relaxation.kept;
+            + (least + income - storage.capacity()).max(S::ZERO) * relaxation.remaining;
         let mut rounded = income + wanted + step.leaked;
         if step.shunted > S::ZERO || step.unserved > S::ZERO {
             distance += step.end - (state.energy + step.change);
@@ -325,7 +325,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         }
         distance += S::from_f64(4.0) * S::EPSILON * rounded;
         // The load is cut at the lock-out. At worst the storage then leaks until the end of the interval.
-        let floor = storage.lock_out().min(least + income) * relaxation.kept;
+        let floor = storage.lock_out().min(least + income) * relaxation.remaining;
         let above_floor = state.energy - floor + S::from_f64(4.0) * S::EPSILON * storage.capacity();
         state.uncertainty = distance.min(above_floor).max(S::ZERO).min(state.energy);
     }

@@ -119,7 +119,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         let mut lowest = energy;
         for stretch in self.stretches() {
             let relaxation = &stretch.relaxation;
-            let end = now * relaxation.kept + self.net(&stretch, load) * relaxation.of_income;
+            let end = now * relaxation.remaining + self.net(&stretch, load) * relaxation.of_income;
             now = end.min(self.storage.capacity());
             lowest = lowest.min(now);
         }
@@ -135,7 +135,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
                 return None;
             }
             let relaxation = &stretch.relaxation;
-            let before = (needed - self.net(&stretch, load) * relaxation.of_income) / relaxation.kept;
+            let before = (needed - self.net(&stretch, load) * relaxation.of_income) / relaxation.remaining;
             needed = before.max(floor);
         }
         (needed <= self.storage.capacity()).then_some(needed)
@@ -166,8 +166,9 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
         let (mut least, mut most) = (S::ZERO, S::INFINITY);
         for stretch in self.stretches().chain(self.stretches()).filter(|stretch| stretch.seconds > 0) {
             let (seconds, relaxation) = (S::from_u32(stretch.seconds), &stretch.relaxation);
-            a = a * relaxation.kept + self.storage.stored(stretch.harvested * seconds) * relaxation.of_income;
-            b = b * relaxation.kept + self.storage.drawn(seconds) * relaxation.of_income;
+            a = a * relaxation.remaining
+                + self.storage.stored(stretch.harvested * seconds) * relaxation.of_income;
+            b = b * relaxation.remaining + self.storage.drawn(seconds) * relaxation.of_income;
             let (fills, empties) = ((a - self.storage.capacity()) / b, (a - floor) / b);
             if empties <= least {
                 return least;
@@ -198,7 +199,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
             let power = self.income.expected_power(slot);
             let net = power * length.of_watt - length.of_load;
             let end = |now: S| {
-                let end = now * relaxation.kept + net;
+                let end = now * relaxation.remaining + net;
                 if end < lock_out {
                     let step =
                         self.storage.step(now, relaxation, power * length.stored_of_watt, length.outgo);

@@ -76,7 +76,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         let used = self.storage.drawn(action.energy());
         // A few roundings per stretch of the energy that the standing load draws.
         let rounding = S::from_f64(16.0) * S::EPSILON * (self.day_drawn + self.storage.capacity());
-        if (energy - used) * self.day_kept >= self.storage.lock_out() + self.day_drawn + rounding {
+        if (energy - used) * self.day_remaining >= self.storage.lock_out() + self.day_drawn + rounding {
             // It lasts for the day without any income.
             return true;
         }
@@ -117,7 +117,7 @@ mod tests {
     }
 
     /// A state after two days of `power`, at an hour of the third day, with a measured voltage.
-    fn knowing(
+    fn estimation(
         budget: &Budget<f64, SLOTS>,
         power: impl Fn(usize) -> f64,
         hour: u32,
@@ -199,7 +199,7 @@ mod tests {
             (large, 22, 3.0, 1e-6, 1e-3),
         ] {
             let budget = budget(storage, standing);
-            let state = knowing(&budget, daylight, hour, voltage);
+            let state = estimation(&budget, daylight, hour, voltage);
             let action = Action::new("measure", energy, 0.01).expect("finite");
             let rate = budget.sustainable_rate(&state, &action);
             let floor = budget.storage().lock_out();
@@ -216,19 +216,19 @@ mod tests {
         let storage =
             StorageParameters { capacitor: Capacitor { capacitance: 1.0, ..tight().capacitor }, ..tight() };
         let budget = budget(storage, 3e-6);
-        let state = knowing(&budget, daylight, 0, 3.0);
+        let state = estimation(&budget, daylight, 0, 3.0);
         let action = Action::new("measure", 1e-3, 0.01).expect("finite");
         let neutral = (20e-6 * 0.8 * 0.9 - 3e-6) / 1e-3;
         assert!((budget.sustainable_rate(&state, &action) / neutral - 1.0).abs() < 1e-6);
         // An action beyond the capacity of the storage, and one without any income, can never run.
         let huge = Action::new("transmit", 20.0, 1.0).expect("finite");
         assert_eq!(budget.sustainable_rate(&state, &huge), 0.0);
-        let dark = knowing(&budget, |_| 0.0, 0, 4.0);
+        let dark = estimation(&budget, |_| 0.0, 0, 4.0);
         assert_eq!(budget.sustainable_rate(&dark, &action), 0.0);
     }
 
     #[test]
-    fn what_uncertain_days_may_lack_is_kept() {
+    fn what_uncertain_days_may_lack_is_reserved() {
         // By day the mean income is twice the standing load. 20 mF at 2.4 V hold 25 mJ above the lock-out.
         let storage =
             StorageParameters { capacitor: Capacitor { capacitance: 20e-3, ..tight().capacitor }, ..tight() };
@@ -252,15 +252,15 @@ mod tests {
     }
 
     #[test]
-    fn what_the_night_will_take_is_kept() {
+    fn what_the_night_will_take_is_reserved() {
         // 20 mF hold 0.17 J above the lock-out; a night takes 2 µW for 12 h, 0.0864 J.
         let storage =
             StorageParameters { capacitor: Capacitor { capacitance: 20e-3, ..tight().capacitor }, ..tight() };
         let budget = budget(storage, 1.8e-6);
         let action = Action::new("transmit", 20e-3, 0.1).expect("finite");
-        let full = knowing(&budget, daylight, 18, 4.5);
-        let low = knowing(&budget, daylight, 18, 3.6);
-        let morning = knowing(&budget, daylight, 7, 3.6);
+        let full = estimation(&budget, daylight, 18, 4.5);
+        let low = estimation(&budget, daylight, 18, 3.6);
+        let morning = estimation(&budget, daylight, 7, 3.6);
         let answers = |state: &BudgetState<f64, SLOTS>| {
             let now = state.second();
             (budget.can_afford(state, &action, now), budget.can_run_now(state, &action, now))

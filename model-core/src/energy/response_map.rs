@@ -1,22 +1,22 @@
 //! The income under one sine, looked up in a map that the host computed with the full model.
 //!
-//! A node knows the amplitude and the frequency of its shaking, for example by
+//! A node knows the amplitude and the frequency of its vibration, for example by
 //! [`LineBank`](crate::excitation::LineBank). A [`ResponseMap`] gives the mean power into the load, or the charge per
 //! second into a storage, of the steady motion at that place, with bounds that were measured against the full model at
 //! random places off the map's nodes. `map` of the host writes such a map as constants for firmware.
 //!
 //! A harvester with a stop or with friction may have two steady motions at the same place: one that a rising amplitude
 //! leaves at a boundary, and one that a falling amplitude leaves at another, lower one. The map has a branch for each, and
-//! between the boundaries it tells both. Beyond its edges it answers [`Outside`] and does not extrapolate.
+//! between the boundaries it gives both. Beyond its edges it answers [`Outside`] and does not extrapolate.
 //!
 //! Nodes lie evenly over the detuning, `arsinh` of the distance from the resonance in half-bandwidths, over which the
 //! logarithm of the power of a linear resonance has a curvature of at most 2. In the amplitude they lie at fixed ratios to
 //! the boundary of their branch, closer together near it, where the branch is steep. Values between are linear in both, of
 //! the logarithm, rounded down to 2⁻¹¹ octaves.
 //!
-//! # Broadband shaking
+//! # Broadband vibration
 //!
-//! A linear harvester that yields `h(f) A²` under a sine of amplitude `A` yields under shaking of the one-sided spectral
+//! A linear harvester that gives `h(f) A²` under a sine of amplitude `A` gives under vibration of the one-sided spectral
 //! density `G(f)`, in (m/s²)²/Hz, the sum over its sines, of which those in `df` have the mean square `A²/2 = G df`:
 //!
 //! ```text
@@ -29,7 +29,7 @@
 //! Lorentz's tails beyond its edges ([`ResponseMap::broadband`]).
 //!
 //! That holds while the motion stays on the linear part of the lower branch. A sine of amplitude `A` at the resonance moves
-//! the mass by `A/(2 ζ ω_n²)`; shaking moves it by `√(G/(8 ζ ω_n³))` RMS. With the half-bandwidth `b = ζ ω_n/2π` in Hz, three
+//! the mass by `A/(2 ζ ω_n²)`; vibration moves it by `√(G/(8 ζ ω_n³))` RMS. With the half-bandwidth `b = ζ ω_n/2π` in Hz, three
 //! times this is below the motion at the rising boundary `A*` up to `G = A*²/(9π b)`. Where the branch is within a tenth of the
 //! square law up to a sine of amplitude `A_l`, by a term in `A⁴`, the mean over the amplitudes of noise is within a tenth up to
 //! half of that sine's mean square, `G = A_l²/(4π b)`. Beyond either the answer is flagged.
@@ -54,7 +54,7 @@ pub use image::{
     Agreement, BOUNDS, COLUMNS, CURRENT, DENSITY_OCTAVES, HEAD, LOWER, MAGIC, MapError, NEAR, NOWHERE, PARTS,
     POWER_OCTAVES, ROWS, Stored, TAIL, UPPER, VERSION, seal,
 };
-pub use words::{Bounds, Columns, Part, Word, Words};
+pub use words::{Bounds, Columns, Part, Word, WordSource};
 
 use crate::scalar::Scalar;
 use image::Head;
@@ -64,7 +64,7 @@ use plan::{Place, Plan, boundaries};
 ///
 /// `W` is `&[u16]` for the constants of a Rust module, or `&[u8]` for the bytes of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ResponseMap<W: Words> {
+pub struct ResponseMap<W: WordSource> {
     words: W,
     /// Of the first slice.
     columns: W::Columns,
@@ -120,14 +120,14 @@ pub enum Response {
     One {
         /// Which.
         branch: Branch,
-        /// Its yield.
+        /// Its output power.
         income: Bounded,
     },
-    /// Two steady motions, or a place too near to a boundary to tell which.
+    /// Two steady motions, or a place too near to a boundary to decide which.
     Two {
-        /// The yield of the motion that a rising amplitude has not left.
+        /// The output power of the motion that a rising amplitude has not left.
         lower: Bounded,
-        /// The yield of the motion that a falling amplitude has not left.
+        /// The output power of the motion that a falling amplitude has not left.
         upper: Bounded,
     },
     /// The map does not cover this place.
@@ -135,7 +135,7 @@ pub enum Response {
 }
 
 impl Response {
-    /// The yield to count on, with bounds that cover both motions where there may be two: the value is then the smaller
+    /// The output power to count on, with bounds that cover both motions where there may be two: the value is then the smaller
     /// one. `None` outside the map.
     #[must_use]
     #[inline]
@@ -152,7 +152,7 @@ impl Response {
     }
 }
 
-/// What broadband shaking yields.
+/// What broadband vibration gives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Broadband {
@@ -178,7 +178,7 @@ impl<'a> ResponseMap<&'a [u16]> {
     }
 }
 
-impl<W: Words> ResponseMap<W> {
+impl<W: WordSource> ResponseMap<W> {
     /// Checks a map: its checksum, its layout, and that it is of the harvester with this fingerprint.
     ///
     /// `map` of the host writes the fingerprint beside the map. It is that of the scene in `f32`, which firmware with the
@@ -277,7 +277,7 @@ impl<W: Words> ResponseMap<W> {
 
     /// As [`ResponseMap::at`] at a voltage of the storage in V, between that of two slices.
     ///
-    /// Where the two slices do not agree about the motion, both motions are told, with bounds of both slices.
+    /// Where the two slices do not agree about the motion, both motions are given, with bounds of both slices.
     #[must_use]
     pub fn at_voltage(&self, amplitude: f32, frequency: f32, voltage: f32) -> Response {
         let place = self.plan.place(amplitude.to_bits(), frequency.to_bits());
@@ -298,7 +298,7 @@ impl<W: Words> ResponseMap<W> {
         }
     }
 
-    /// The yield under shaking of a one-sided spectral density in (m/s²)²/Hz near the resonance, as
+    /// The output power under vibration of a one-sided spectral density in (m/s²)²/Hz near the resonance, as
     /// [`Lines::density`](crate::excitation::Lines::density), averaged over blocks; `None` for a map without a linear lower
     /// branch, and for a density that is negative or from 2⁶⁴ on.
     #[must_use]
@@ -386,7 +386,7 @@ const fn checked(words: Stored<'_>, fingerprint: u32) -> Result<(Head, Plan), Ma
     }
 }
 
-/// The yield of a branch without values. A call keeps it out of the usual way, where the numbers are in registers.
+/// The output power of a branch without values. A call keeps it out of the usual way, where the numbers are in registers.
 #[cold]
 #[inline(never)]
 fn nothing() -> Bounded {

@@ -234,7 +234,7 @@ pub(crate) struct StorageStep<S> {
 pub(super) struct Relaxation<S> {
     ratio: S,
     /// `e^(−x)`: remaining part of the initial energy.
-    pub kept: S,
+    pub remaining: S,
     /// `(1 − e^(−x))/x`: remaining part of an even income.
     pub of_income: S,
     /// `(1 − (1 − e^(−x))/x)/x`.
@@ -267,11 +267,11 @@ impl<S: Scalar> Relaxation<S> {
                 horner(&second(), ratio)
             };
             let of_income = S::ONE - ratio * second;
-            Self { ratio, kept: S::ONE - ratio * of_income, of_income, second }
+            Self { ratio, remaining: S::ONE - ratio * of_income, of_income, second }
         } else {
-            let kept = S::Build::exponential(-ratio);
-            let of_income = (S::ONE - kept) / ratio;
-            Self { ratio, kept, of_income, second: (S::ONE - of_income) / ratio }
+            let remaining = S::Build::exponential(-ratio);
+            let of_income = (S::ONE - remaining) / ratio;
+            Self { ratio, remaining, of_income, second: (S::ONE - of_income) / ratio }
         }
     }
 
@@ -372,7 +372,7 @@ pub(super) mod tests {
     fn series_and_exponential_meet() {
         for x in [0.499_999_f64, 0.500_001, 1e-9, 3.0, 800.0] {
             let relaxation = Relaxation::new(x);
-            assert!((relaxation.kept - (-x).exp()).abs() < 3e-16);
+            assert!((relaxation.remaining - (-x).exp()).abs() < 3e-16);
             assert!((relaxation.of_income + (-x).exp_m1() / x).abs() < 3e-16);
             assert!((relaxation.lost_of_income() - (1.0 + (-x).exp_m1() / x)).abs() < 3e-16);
             let early = -(-x).exp_m1() / x - (-x).exp();
@@ -398,7 +398,7 @@ pub(super) mod tests {
         // Below the lock-out the storage only leaks.
         let below = balance(storage.lock_out() * 0.5, 0.0, 1e-4);
         assert!((below.unserved - 1e-4).abs() < 1e-17);
-        assert!((below.end - storage.lock_out() * 0.5 * relaxation.kept).abs() < 1e-18);
+        assert!((below.end - storage.lock_out() * 0.5 * relaxation.remaining).abs() < 1e-18);
     }
 
     #[test]

@@ -60,7 +60,7 @@ pub struct Lines {
     /// the bins within a half-bandwidth and one bin of the resonance. Of noise it has a relative standard deviation of 0.85 in
     /// a block where these are two bins, and of 0.73 where they are three; average over blocks.
     pub density: f32,
-    /// The same without the bins of the strongest line: what else the resonance hears; 0 if the line has all of them.
+    /// The same without the bins of the strongest line: what else excites the resonance; 0 if the line has all of them.
     pub rest: f32,
 }
 

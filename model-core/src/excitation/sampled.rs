@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn interpolates_and_ends_as_told() {
+    fn interpolates_and_ends_as_specified() {
         let once = Sampled::new(&TRACE, 4.0, AfterLastSample::Silence).expect("valid");
         // An instant is within half a tick of its seconds; the steepest line falls by 12 m/s² per second.
         let bound = 6.0 * TICK + 1e-14;

@@ -99,8 +99,8 @@ impl<S: Scalar> Law<S> {
                 (phase as u64, low_angular + rise_angular * way)
             }
             Self::Logarithmic { octaves, cycles, low_angular, .. } => {
-                let passed = (u128::from(octaves) * part) >> 57;
-                let (whole, power) = ((passed >> 64) as u32, power_of_two(passed as u64));
+                let elapsed = (u128::from(octaves) * part) >> 57;
+                let (whole, power) = ((elapsed >> 64) as u32, power_of_two(elapsed as u64));
                 // `cycles · 2^passed` modulo a turn, less the phase at the lower end.
                 let scaled = cycles << whole.min(63);
                 let upper = u128::from((scaled >> 64) as u64) * u128::from(power);

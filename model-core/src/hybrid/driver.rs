@@ -43,7 +43,7 @@ pub struct Driver<M, C> {
 }
 
 /// An accepted step.
-struct Kept<S, const N: usize, const P: usize> {
+struct TakenStep<S, const N: usize, const P: usize> {
     trial: Trial<S, N, P>,
     ticks: u32,
     /// The guard at which the step ends.
@@ -111,34 +111,34 @@ impl<M, C> Driver<M, C> {
                     let resolved = excitation.smooth_ticks(at).min(longest);
                     let limit = at.ticks_until(until, resolved);
                     let control = state.control;
-                    let Some(kept) = self
+                    let Some(taken) = self
                         .next_step(automaton, state, excitation, [limit, longest_ticks], &scale, &mut work)
                         .map_err(fail)?
                     else {
                         // Rejected: the control memory holds a shorter step.
                         continue;
                     };
-                    if let Err((quantity, value)) = automaton.check(state.mode, &kept.trial.end.state) {
-                        if kept.ticks > DOMAIN_TICKS {
-                            // A shorter step tells when the domain is left.
+                    if let Err((quantity, value)) = automaton.check(state.mode, &taken.trial.end.state) {
+                        if taken.ticks > DOMAIN_TICKS {
+                            // A shorter step locates where the domain is left.
                             work.rejected += 1;
-                            self.control.shorten(&mut state.control, kept.ticks);
+                            self.control.shorten(&mut state.control, taken.ticks);
                             continue;
                         }
                         // A further call fails at the same step.
                         state.control = control;
                         return Err(fail(StepFailure::OutsideDomain { quantity, value }));
                     }
-                    let settled = self.settled_start::<O, _, _, N, P>(automaton, state, kept.ticks);
+                    let settled = self.settled_start::<O, _, _, N, P>(automaton, state, taken.ticks);
                     let start = settled.as_ref().unwrap_or(&state.point);
-                    observer.step(&accepted_step::<O, _, _, N, P>(automaton, state, start, &kept));
+                    observer.step(&accepted_step::<O, _, _, N, P>(automaton, state, start, &taken));
                     work.steps += 1;
-                    state.clock = state.clock.after(kept.ticks);
-                    state.since_event = state.since_event.saturating_add(kept.ticks);
-                    state.point = kept.trial.end;
+                    state.clock = state.clock.after(taken.ticks);
+                    state.since_event = state.since_event.saturating_add(taken.ticks);
+                    state.point = taken.trial.end;
                     state.armed = state.armed || automaton.rearms(state.mode, &state.point);
-                    may_be_due = kept.searched;
-                    kept.event
+                    may_be_due = taken.searched;
+                    taken.event
                 }
             };
             if let Some(guard) = event {
@@ -180,7 +180,7 @@ impl<M, C> Driver<M, C> {
         [limit, longest_ticks]: [u32; 2],
         scale: &ErrorScale<S>,
         work: &mut Work,
-    ) -> Result<Option<Kept<S, N, P>>, StepFailure<S>>
+    ) -> Result<Option<TakenStep<S, N, P>>, StepFailure<S>>
     where
         M: Method<S>,
         C: StepControl<S>,
@@ -210,7 +210,7 @@ impl<M, C> Driver<M, C> {
         };
         let most = state.control.stretched(planned).min(limit);
         let mut search = Search::within(planned, most, scale.angular_frequency, attempts.after_jump);
-        let (mut kept, mut control) = loop {
+        let (mut taken, mut control) = loop {
             let attempted = if M::PREDICTS {
                 attempts.attempt_to_event(&mut search)
             } else {
@@ -235,16 +235,16 @@ impl<M, C> Driver<M, C> {
                 continue;
             }
             let Search { ticks, event, .. } = search;
-            break (Kept { trial, ticks, event, searched: event.is_some() }, control);
+            break (TakenStep { trial, ticks, event, searched: event.is_some() }, control);
         };
-        if kept.ticks < proposed {
+        if taken.ticks < proposed {
             control.keep_proposal(&state.control);
         }
-        if !M::PREDICTS && first_event(&attempts, &mut kept, automaton.guards(state.mode), work).is_err() {
+        if !M::PREDICTS && first_event(&attempts, &mut taken, automaton.guards(state.mode), work).is_err() {
             return shorten(&mut state.control, work);
         }
         state.control = control;
-        Ok(Some(kept))
+        Ok(Some(taken))
     }
 
     /// Judges an attempt of `ticks` and updates the memory of the step control.
@@ -373,7 +373,7 @@ const fn carries<S: Scalar, M: Method<S>, Y: System<S, N, P>, const N: usize, co
 #[inline(always)]
 fn first_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     attempts: &Attempts<'_, S, A, impl Excitation<S>, impl Method<S>, N, P>,
-    kept: &mut Kept<S, N, P>,
+    taken: &mut TakenStep<S, N, P>,
     guards: usize,
     work: &mut Work,
 ) -> Result<(), NotConverged> {
@@ -381,17 +381,17 @@ fn first_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>
     let mut done = 0_u32;
     let mut attempts_left = MOST_ATTEMPTS;
     for _ in 0..=guards.min(MOST_GUARDS) {
-        let Some((guard, theta)) = attempts.first_fall(&kept.trial.end, kept.ticks, done) else { break };
-        kept.searched = true;
+        let Some((guard, theta)) = attempts.first_fall(&taken.trial.end, taken.ticks, done) else { break };
+        taken.searched = true;
         if attempts_left == 0 {
             break;
         }
         let before = work.locating;
-        let located = attempts.locate(guard, theta, kept.trial, kept.ticks, attempts_left, work)?;
+        let located = attempts.locate(guard, theta, taken.trial, taken.ticks, attempts_left, work)?;
         attempts_left -= (work.locating - before).min(attempts_left);
-        kept.trial = located.trial;
-        kept.ticks = located.ticks;
-        kept.event = located.fell.then_some(guard);
+        taken.trial = located.trial;
+        taken.ticks = located.ticks;
+        taken.event = located.fell.then_some(guard);
         done |= 1 << guard;
     }
     Ok(())
@@ -403,9 +403,9 @@ fn accepted_step<'a, O: Observer<S>, S: Scalar, A: Automaton<S, N, P>, const N: 
     automaton: &A,
     state: &'a HybridState<S, A::Mode, N, P>,
     start: &'a Point<S, N, P>,
-    kept: &'a Kept<S, N, P>,
+    taken: &'a TakenStep<S, N, P>,
 ) -> AcceptedStep<'a, S> {
-    let Kept { trial, ticks, .. } = kept;
+    let TakenStep { trial, ticks, .. } = taken;
     let step = seconds_of_ticks(*ticks);
     let outputs = |point: &'a Point<S, N, P>| {
         if O::READS_OUTPUTS { automaton.outputs(state.mode, point) } else { Outputs::of_state(&point.state) }

@@ -52,11 +52,11 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
                 }
                 return true;
             }
-            Reached::Kept | Reached::Near { .. } if self.returns(search, index, ticks, &{ trial.end }) => {
+            Reached::Clear | Reached::Near { .. } if self.returns(search, index, ticks, &{ trial.end }) => {
                 return true;
             }
-            Reached::Kept if search.event.is_none() => return false,
-            Reached::Kept => {}
+            Reached::Clear if search.event.is_none() => return false,
+            Reached::Clear => {}
             Reached::Near { missing, curved } => self.extend(trial, ticks, missing, curved),
         }
         !search.predicted && self.turns(search, index, &{ trial.end })

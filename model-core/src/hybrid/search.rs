@@ -33,7 +33,7 @@ pub(super) enum Next {
 /// How an attempt ends that was to reach an event.
 pub(super) enum Reached<S> {
     /// It is kept as it is.
-    Kept,
+    Clear,
     /// The event is `missing` seconds after its end or, below zero, before it, along a parabola if it is `curved`.
     Near { missing: S, curved: bool },
     /// Another attempt is needed.
@@ -211,7 +211,7 @@ impl<S: Scalar> Search<S> {
         }
         if !self.falls && (!is_falling || there > self.most) {
             // A graze, or an event beyond the end of the step.
-            return Reached::Kept;
+            return Reached::Clear;
         }
         // Where the correction does not shrink, the guard is known no better: its value is a rounding.
         let stalls = missing.abs() > S::from_f64(0.5) * self.missing;
@@ -224,10 +224,10 @@ impl<S: Scalar> Search<S> {
         let is_inside = is_falling && there > self.short && (there < self.far || !self.falls);
         // A guard that is a stair of its roundings leads out of the bracket: the event is at its known end.
         if !is_inside && guard.value <= S::ZERO {
-            return Reached::Kept;
+            return Reached::Clear;
         }
         if self.corrections == 0 {
-            return if self.event.is_none() { Reached::Kept } else { self.shorten(index) };
+            return if self.event.is_none() { Reached::Clear } else { self.shorten(index) };
         }
         let there = if is_inside { there } else { self.far };
         self.corrections -= 1;
@@ -238,7 +238,7 @@ impl<S: Scalar> Search<S> {
     /// Shortens the step to before the fall of guard `index`, or by half, where there are no corrections left.
     fn shorten(&mut self, index: usize) -> Reached<S> {
         if self.ticks <= 1 {
-            return Reached::Kept;
+            return Reached::Clear;
         }
         self.ticks = if self.short > 0 { self.short } else { self.ticks / 2 };
         (self.event, self.left) = (Some(index), 0);

@@ -1,6 +1,6 @@
 //! What a node needs of the hardware, and a loop over it.
 
-use super::{Finding, Gap, Progress, Task, Tier, Wake};
+use super::{Finding, Outage, Progress, Task, Tier, Wake};
 use crate::snapshot::{NUMBERED, SnapshotError, image_size, newest_slot, number, read_image, save_image};
 
 /// The hardware of a node.
@@ -262,9 +262,9 @@ where
         Ok(sequence)
     }
 
-    /// Reads the newest image of this node to the state; gives its number and slot. Without one, or if it `is_kept`, the state stays.
+    /// Reads the newest image of this node to the state; gives its number and slot. Without one, or if it `may_retain`, the state stays.
     #[inline(never)]
-    fn take_newest(&mut self, buffer: &mut [u8], is_kept: bool) -> Result<(u32, usize), SnapshotError> {
+    fn take_newest(&mut self, buffer: &mut [u8], may_retain: bool) -> Result<(u32, usize), SnapshotError> {
         let state = self.state;
         let numbers = [0, 1].map(|slot| {
             let mut head = [0; NUMBERED];
@@ -272,7 +272,7 @@ where
             number(&head)
         });
         let newest = newest_slot(numbers, |slot| self.take_image(slot, buffer));
-        if is_kept || newest.is_err() {
+        if may_retain || newest.is_err() {
             self.state = state;
         }
         newest
@@ -301,11 +301,11 @@ where
     /// If there is no image of this node; the runner is then unchanged.
     #[cold]
     #[inline(never)]
-    pub fn resume(&mut self, buffer: &mut [u8], gap: Gap) -> Result<u32, SnapshotError> {
+    pub fn resume(&mut self, buffer: &mut [u8], gap: Outage) -> Result<u32, SnapshotError> {
         let (sequence, slot) = self.take_newest(buffer, false)?;
         self.newest = Some((sequence, slot));
         self.is_sampling = false;
-        let is_known = gap == Gap::OnUntil(N::second(&self.state));
+        let is_known = gap == Outage::OnUntil(N::second(&self.state));
         let code = if is_known { None } else { self.board.storage_code() };
         self.wake = self.node.wake_after(&mut self.state, gap, code);
         Ok(sequence)

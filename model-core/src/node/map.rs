@@ -1,10 +1,10 @@
 //! The node that takes bursts of acceleration samples where the voltage of its storage says nothing of the income.
 //!
 //! It is a [`VoltageNode`] with a response map. A burst gives the output power by the map; the ratio of the true to the modelled power,
-//! the *gain* of the map, is learnt from the income between two readings where the storage tells it. The map is used
+//! the *gain* of the map, is learnt from the income between two readings where the storage's voltage resolves it. The map is used
 //!
 //! * while the storage is full: for what is shunted;
-//! * where two readings resolve an hour worse than the map: the hour is then told by the map;
+//! * where two readings resolve an hour worse than the map: the hour is then estimated by the map;
 //! * for the power now.
 //!
 //! A burst is taken if it narrows the bound of the hour by more than it costs ([`Bursts::worth`]): with the walk `c` of the power in W² a
@@ -18,21 +18,21 @@ mod parameters;
 #[cfg(test)]
 mod tests;
 
-pub use finding::{Finding, Modelled, Yield};
+pub use finding::{Finding, OutputPower, PredictedPower};
 pub use parameters::{Bursts, MapParameters, NodeError, Sensor};
 
 use super::tier::{BOUND, IncomeOfTime, StoreReading};
 use super::voltage::{BatteryElement, CapacitorElement, Element};
-use super::voltage::{Beside, Told};
-use super::{Gap, HOUR, Progress, Task, Tier, VoltageNode, VoltageState, Wake, real};
+use super::voltage::{Beside, VoltageEstimate};
+use super::{HOUR, Outage, Progress, Task, Tier, VoltageNode, VoltageState, Wake, real};
 use crate::bounds::ParameterError;
-use crate::energy::response_map::Words;
+use crate::energy::response_map::WordSource;
 use crate::energy::{Battery, ResponseMap};
 use crate::excitation::{LineBank, LineBankState};
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint, Reader, Snapshot, Writer, snapshot_fields};
 use finding::{Blocks, Motion};
-use income::{Held, ModelledEnergy};
+use income::{LatestPower, PredictedEnergy};
 
 /// Seconds after its end at which a burst that is not complete is given up.
 const GRACE: u32 = 2;
@@ -45,7 +45,7 @@ const UNCERTAIN: f32 = 0.1;
 /// A node with its map in `W`, and a bank of sections of at most `M` samples and blocks of `P` sections.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapNode<
-    W: Words,
+    W: WordSource,
     const M: usize,
     const P: usize,
     const ACTIONS: usize,
@@ -66,10 +66,10 @@ pub struct MapNode<
 pub struct MapState<const P: usize, const ACTIONS: usize> {
     voltage: VoltageState<ACTIONS>,
     burst: Burst<P>,
-    held: Held,
+    latest: LatestPower,
     /// Modelled energy since the last reading that was used, and since the begin of the hour.
-    interval: ModelledEnergy,
-    hour: ModelledEnergy,
+    interval: PredictedEnergy,
+    hour: PredictedEnergy,
     /// Gain of the map, its variance, and comparisons in turn that contradict it.
     gain: f32,
     of_gain: f32,
@@ -79,9 +79,9 @@ pub struct MapState<const P: usize, const ACTIONS: usize> {
     of_draw: f32,
     /// Whether the last burst found no vibration.
     is_rest: bool,
-    /// What the storage told in the last two intervals that were used in turn, the newest first, and the seconds since.
-    told: [Option<Told>; 2],
-    untold: u32,
+    /// Estimates by the voltage in the last two intervals that were used in turn, the newest first, and the seconds since.
+    estimated: [Option<VoltageEstimate>; 2],
+    unreported: u32,
     /// Whether the last burst was taken between these two.
     is_between: bool,
     /// Which of two motions goes on, as long as bursts find two.
@@ -116,7 +116,7 @@ impl<const P: usize> Snapshot for Burst<P> {
 }
 
 snapshot_fields!(impl [const P: usize, const ACTIONS: usize] MapState<P, ACTIONS> {
-    voltage, burst, held, interval, hour, gain, of_gain, contradictions, is_doubtful, of_draw, is_rest, told, untold, is_between, motion, since, bursts, misses, is_asked,
+    voltage, burst, latest, interval, hour, gain, of_gain, contradictions, is_doubtful, of_draw, is_rest, estimated, unreported, is_between, motion, since, bursts, misses, is_asked,
     last_hour,
 } if |state| {
     state.gain >= 0.0 && state.of_gain >= 0.0 && state.of_draw >= 0.0
@@ -161,7 +161,7 @@ impl<const P: usize, const ACTIONS: usize> MapState<P, ACTIONS> {
     }
 }
 
-impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, M, P, ACTIONS> {
+impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, M, P, ACTIONS> {
     /// A node that takes bursts by `bank` and looks up in `map`.
     ///
     /// # Errors
@@ -176,7 +176,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize> MapNode<W, 
     }
 }
 
-impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize>
+impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize>
     MapNode<W, M, P, ACTIONS, BatteryElement>
 {
     /// As [`MapNode::new`], with a battery beside the capacitor.
@@ -193,7 +193,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize>
     }
 }
 
-impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
+impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
     MapNode<W, M, P, ACTIONS, E>
 {
     const fn of_voltage(
@@ -244,7 +244,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
 
     /// Energy in J at the load that readings and bursts took since the start.
     #[must_use]
-    pub fn spent_on_knowing(&self, state: &MapState<P, ACTIONS>) -> f32 {
+    pub fn spent_on_estimation(&self, state: &MapState<P, ACTIONS>) -> f32 {
         self.voltage.spent_on_readings(&state.voltage) + real(state.bursts) * self.parameters.bursts.energy
     }
 
@@ -253,14 +253,14 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
     pub fn power(&self, state: &MapState<P, ACTIONS>) -> [f32; 2] {
         let [stored, bound] = state.voltage.power();
         let by_voltage = [self.voltage.harvested(stored), self.voltage.harvested(bound)];
-        let Yield { value, systematic, .. } = state.held.yielded;
+        let OutputPower { value, systematic, .. } = state.latest.output;
         let systematic = systematic * value * state.gain;
-        let variance = state.gain * state.gain * state.held.variance(self.largest())
+        let variance = state.gain * state.gain * state.latest.variance(self.largest())
             + state.of_gain * value * value
             + systematic * systematic;
         let bound = BOUND * Scalar::sqrt(variance);
-        let is_told = state.voltage.last_reading() == Some(StoreReading::Used) && by_voltage[1] <= bound;
-        if is_told || !state.held.is_known { by_voltage } else { [state.gain * value, bound] }
+        let by_reading = state.voltage.last_reading() == Some(StoreReading::Used) && by_voltage[1] <= bound;
+        if by_reading || !state.latest.is_known { by_voltage } else { [state.gain * value, bound] }
     }
 
     fn largest(&self) -> f32 {
@@ -269,7 +269,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
 
     /// A time passes.
     fn pass(&self, state: &mut MapState<P, ACTIONS>, seconds: u32) {
-        state.held.pass(seconds, [&mut state.interval, &mut state.hour]);
+        state.latest.pass(seconds, [&mut state.interval, &mut state.hour]);
         state.since = state.since.saturating_add(seconds);
         // In ten days it may change by its deviation.
         let most_of_draw = self.voltage.of_standing();
@@ -293,46 +293,46 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
 
     /// The harvested energy of a time in J by the map, the variance of its error, and the bound of what is the same at all
     /// times.
-    fn by_map(&self, state: &MapState<P, ACTIONS>, of: &ModelledEnergy) -> [f32; 3] {
+    fn by_map(&self, state: &MapState<P, ACTIONS>, of: &PredictedEnergy) -> [f32; 3] {
         let gain = state.gain;
         let lasting = Scalar::sqrt(state.of_gain) * of.energy + gain * of.systematic;
-        [gain * of.energy, gain * gain * of.variance(&state.held, self.largest()), BOUND * lasting]
+        [gain * of.energy, gain * gain * of.variance(&state.latest, self.largest()), BOUND * lasting]
     }
 
-    /// Ends a wake with a reading: learns the gain, and tells the hour if it is over.
+    /// Ends a wake with a reading: learns the gain, and estimates the hour if it is over.
     fn conclude(&self, state: &mut MapState<P, ACTIONS>) {
         if state.voltage.is_just_read() {
             if state.interval.seconds > 0 {
-                self.keep_told(state);
+                self.keep_estimate(state);
             }
-            state.interval = ModelledEnergy::default();
+            state.interval = PredictedEnergy::default();
         }
         if state.voltage.seconds_of_hour() < state.hour.seconds {
-            state.last_hour = state.voltage.last_hour().map(|told| self.tell(state, told));
-            state.hour = ModelledEnergy::default();
+            state.last_hour = state.voltage.last_hour().map(|estimated| self.combine(state, estimated));
+            state.hour = PredictedEnergy::default();
         }
     }
 
-    /// The income of an hour, which the voltage `told`, or the map if it knows it better.
-    fn tell(&self, state: &MapState<P, ACTIONS>, told: IncomeOfTime) -> IncomeOfTime {
+    /// The income of an hour as `estimated` by the voltage, or by the map if that has the smaller bound.
+    fn combine(&self, state: &MapState<P, ACTIONS>, estimated: IncomeOfTime) -> IncomeOfTime {
         let [mut energy, variance, lasting] = self.by_map(state, &state.hour);
         let mut bound = BOUND * Scalar::sqrt(variance) + lasting;
         let is_known = if E::IS_FLAT {
             // Where the map says nothing the power of before goes on, or any other one up to the largest.
             let unknown = real(state.hour.unknown);
             let most = self.largest() * unknown;
-            energy += Scalar::min(state.gain * state.held.yielded.value * unknown, most);
+            energy += Scalar::min(state.gain * state.latest.output.value * unknown, most);
             bound += most;
             true
         } else {
             state.hour.is_known()
         };
         // Vibration that no burst has met is seen by the voltage.
-        let is_in_doubt = Scalar::abs(energy - told.energy) > bound + told.bound;
-        if is_known && bound < told.bound && !is_in_doubt {
-            IncomeOfTime { energy, bound, ..told }
+        let is_in_doubt = Scalar::abs(energy - estimated.energy) > bound + estimated.bound;
+        if is_known && bound < estimated.bound && !is_in_doubt {
+            IncomeOfTime { energy, bound, ..estimated }
         } else {
-            told
+            estimated
         }
     }
 
@@ -347,18 +347,19 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
         }
         let of_gain = Scalar::sqrt(state.of_gain);
         if self.voltage.fills_up(&state.voltage) && of_gain > UNCERTAIN * state.gain && state.since >= HOUR {
-            // The storage still tells the power of a vibration that it will not tell when it is full.
+            // The voltage still resolves the power of a vibration that it will not resolve when the storage is full.
             return true;
         }
         let is_silent = state.voltage.last_reading() == Some(StoreReading::Silent);
-        if !state.held.is_known {
+        if !state.latest.is_known {
             return is_silent || self.voltage.is_mute(&state.voltage);
         }
         // The time after which a burst narrows the bound by as much as it must, and the bound that is then left.
-        let walk =
-            BOUND * state.gain * Scalar::sqrt(state.held.change(self.largest()) * (1.0 / 12.0) * real(HOUR));
+        let walk = BOUND
+            * state.gain
+            * Scalar::sqrt(state.latest.change(self.largest()) * (1.0 / 12.0) * real(HOUR));
         let time = Scalar::sqrt(worth * energy * real(HOUR) / walk);
-        let of_gain = BOUND * of_gain * state.held.yielded.value * real(HOUR);
+        let of_gain = BOUND * of_gain * state.latest.output.value * real(HOUR);
         let is_better = is_silent || of_gain + walk * time < self.voltage.bound_of_an_hour(&state.voltage);
         is_better && real(state.since) >= time
     }
@@ -395,37 +396,38 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
     /// Takes in what a whole burst says.
     #[inline(never)]
     fn take(&self, state: &mut MapState<P, ACTIONS>, voltage: f32) -> Finding {
-        let modelled = core::mem::take(&mut state.burst).blocks.modelled(&self.map, voltage);
-        let (finding, yielded) = match modelled.finding {
-            Finding::Line | Finding::Broadband | Finding::Rest => (modelled.finding, modelled.lower),
-            Finding::TwoMotions => self.decide(state, &modelled),
+        let predicted = core::mem::take(&mut state.burst).blocks.predicted(&self.map, voltage);
+        let (finding, output) = match predicted.finding {
+            Finding::Line | Finding::Broadband | Finding::Rest => (predicted.finding, predicted.lower),
+            Finding::TwoMotions => self.decide(state, &predicted),
             other => {
                 self.miss(state);
                 return other;
             }
         };
-        state.is_rest = matches!(modelled.finding, Finding::Rest);
-        if !matches!(modelled.finding, Finding::TwoMotions) {
+        state.is_rest = matches!(predicted.finding, Finding::Rest);
+        if !matches!(predicted.finding, Finding::TwoMotions) {
             state.motion = None;
         }
-        let before = state.held;
-        state.held.hear(yielded, [&mut state.interval, &mut state.hour]);
+        let before = state.latest;
+        state.latest.update(output, [&mut state.interval, &mut state.hour]);
         state.misses = 0;
         let interval = self.voltage.last_interval(&state.voltage);
-        state.is_between = state.untold == 0;
+        state.is_between = state.unreported == 0;
         if state.is_between && before.is_since(interval) {
-            self.compare_between(state, before.yielded);
+            self.compare_between(state, before.output);
         }
         finding
     }
 
-    /// Which of two motions goes on: the one of the burst before, or the one whose output power the storage has told.
-    fn decide(&self, state: &mut MapState<P, ACTIONS>, modelled: &Modelled) -> (Finding, Yield) {
-        let told = state.told[0].filter(|told| state.untold == 0 && told.power > 0.0 && state.gain > 0.0);
-        if let Some(Told { power, variance, .. }) = told {
-            // The gain is a factor: the ratio of the expected to the told power counts, by (x − 1)/√x.
+    /// Which of two motions goes on: the one of the burst before, or the one whose output power the voltage has resolved.
+    fn decide(&self, state: &mut MapState<P, ACTIONS>, predicted: &PredictedPower) -> (Finding, OutputPower) {
+        let estimated = state.estimated[0]
+            .filter(|estimated| state.unreported == 0 && estimated.power > 0.0 && state.gain > 0.0);
+        if let Some(VoltageEstimate { power, variance, .. }) = estimated {
+            // The gain is a factor: the ratio of the expected to the estimated power counts, by (x − 1)/√x.
             let of_power = variance / (power * power);
-            let departure = |of: &Yield| {
+            let departure = |of: &OutputPower| {
                 let ratio = state.gain * of.value / power;
                 let noise = of.noise / of.value;
                 let variance = of_power
@@ -434,16 +436,16 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
                     + noise * noise;
                 (ratio - 1.0) * (ratio - 1.0) / (ratio * variance)
             };
-            state.motion = match [departure(&modelled.lower), departure(&modelled.upper)] {
+            state.motion = match [departure(&predicted.lower), departure(&predicted.upper)] {
                 [lower, upper] if lower < 4.0 && upper > 16.0 => Some(Motion::Lower),
                 [lower, upper] if upper < 4.0 && lower > 16.0 => Some(Motion::Upper),
                 _ => state.motion,
             };
         }
         match state.motion {
-            Some(Motion::Lower) => (Finding::TwoMotionsOneSeen, modelled.lower),
-            Some(Motion::Upper) => (Finding::TwoMotionsOneSeen, modelled.upper),
-            None => (Finding::TwoMotions, modelled.either()),
+            Some(Motion::Lower) => (Finding::TwoMotionsOneSeen, predicted.lower),
+            Some(Motion::Upper) => (Finding::TwoMotionsOneSeen, predicted.upper),
+            None => (Finding::TwoMotions, predicted.either()),
         }
     }
 
@@ -457,11 +459,11 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
     fn miss(&self, state: &mut MapState<P, ACTIONS>) {
         state.misses = state.misses.saturating_add(1);
         state.motion = None;
-        state.held.miss();
+        state.latest.miss();
     }
 }
 
-impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element> Tier
+impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Element> Tier
     for MapNode<W, M, P, ACTIONS, E>
 {
     const BURSTS: bool = true;
@@ -470,17 +472,17 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
         MapState {
             voltage: self.voltage.start(second),
             burst: Burst::default(),
-            held: Held::default(),
-            interval: ModelledEnergy::default(),
-            hour: ModelledEnergy::default(),
+            latest: LatestPower::default(),
+            interval: PredictedEnergy::default(),
+            hour: PredictedEnergy::default(),
             gain: 1.0,
             of_gain: self.parameters.gain * self.parameters.gain,
             contradictions: 0,
             is_doubtful: false,
             of_draw: self.voltage.of_standing(),
             is_rest: false,
-            told: [None; 2],
-            untold: 0,
+            estimated: [None; 2],
+            unreported: 0,
             is_between: false,
             motion: None,
             since: 0,
@@ -514,12 +516,12 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
 
     #[cold]
     #[inline(never)]
-    fn wake_after(&self, state: &mut MapState<P, ACTIONS>, gap: Gap, code: Option<u32>) -> Wake {
+    fn wake_after(&self, state: &mut MapState<P, ACTIONS>, gap: Outage, code: Option<u32>) -> Wake {
         let before = Self::second(state);
         let seconds = gap.end().map_or(0, |now| now.saturating_sub(before));
-        if seconds > 0 || gap == Gap::Unknown {
+        if seconds > 0 || gap == Outage::Unknown {
             // What the vibration was since is unknown.
-            state.held.miss();
+            state.latest.miss();
         }
         self.pass(state, seconds);
         if state.burst.missing > 0 {
@@ -567,7 +569,7 @@ impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
     }
 }
 
-impl<W: Words, const M: usize, const P: usize, const ACTIONS: usize, E: Element> Configuration
+impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Element> Configuration
     for MapNode<W, M, P, ACTIONS, E>
 {
     type State = MapState<P, ACTIONS>;

@@ -1,4 +1,4 @@
-//! What a board needs of a node, whatever the node needs to know, and what each node tells.
+//! What a board needs of a node, whatever the node needs to know, and the estimates of each node.
 
 use super::Finding;
 use crate::snapshot::{Configuration, snapshot_fields, snapshot_variants};
@@ -25,7 +25,7 @@ pub trait Tier: Configuration {
     fn wake(&self, state: &mut Self::State, now: u32, code: Option<u32>) -> Wake;
 
     /// As [`Tier::wake`] after a time without calls.
-    fn wake_after(&self, state: &mut Self::State, gap: Gap, code: Option<u32>) -> Wake;
+    fn wake_after(&self, state: &mut Self::State, gap: Outage, code: Option<u32>) -> Wake;
 
     /// Takes samples of a burst, in order, as many as the FIFO has.
     fn samples(&self, _state: &mut Self::State, _samples: &[i16]) -> Progress {
@@ -78,7 +78,7 @@ pub enum Progress {
 /// The time between an image and the resumption from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Gap {
+pub enum Outage {
     /// The node was on until this second of its clock, and lost its memory only. What it did after the image is unknown: the
     /// income since is uncertain by the energy of what it could have run.
     OnUntil(u32),
@@ -92,7 +92,7 @@ pub enum Gap {
     Unknown,
 }
 
-impl Gap {
+impl Outage {
     /// Second of the clock at its end; `None` if no clock knows it.
     pub(super) fn end(self) -> Option<u32> {
         match self {
@@ -112,7 +112,7 @@ pub struct IncomeOfTime {
     pub energy: f32,
     /// Bound of its error in J: two and a half standard deviations.
     pub bound: f32,
-    /// Seconds of them in which the storage told nothing, as it was full or its energy unknown.
+    /// Seconds of them without an estimate, as the storage was full or its energy unknown.
     pub silent: u32,
 }
 
@@ -122,7 +122,7 @@ snapshot_fields!(impl [] IncomeOfTime { seconds, energy, bound, silent });
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StoreReading {
-    /// It told the income.
+    /// It gave the income.
     Used,
     /// The storage may have been full since the reading before, or its energy was not known: the reading says nothing about
     /// the income.

@@ -19,13 +19,13 @@ mod parameters;
 #[cfg(test)]
 pub(super) mod tests;
 
-pub(super) use beside::{Beside, Told};
+pub(super) use beside::{Beside, VoltageEstimate};
 pub use element::{BatteryElement, CapacitorElement, Element};
 pub use parameters::{Tolerances, VoltageParameters};
 
 use super::Regular;
 use super::tier::{BOUND, IncomeOfTime, StoreReading};
-use super::{Gap, HOUR, Task, Tier, Wake, real};
+use super::{HOUR, Outage, Task, Tier, Wake, real};
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
 
@@ -117,7 +117,7 @@ pub struct VoltageState<const ACTIONS: usize> {
     attempted: u32,
     out: f32,
     leaked: f32,
-    /// The part of it that does not tell whether the storage was full.
+    /// The part of it in which the storage may have been full.
     drained: f32,
     /// Standing power above the stated one in W.
     excess: f32,
@@ -508,17 +508,17 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     pub(super) fn wake_after_with(
         &self,
         state: &mut VoltageState<ACTIONS>,
-        gap: Gap,
+        gap: Outage,
         code: Option<u32>,
         beside: Option<Beside>,
     ) -> Wake {
-        let (now, is_on) = (gap.end().unwrap_or(state.second), matches!(gap, Gap::OnUntil(_)));
+        let (now, is_on) = (gap.end().unwrap_or(state.second), matches!(gap, Outage::OnUntil(_)));
         state.doubted = 0;
-        if gap == Gap::Unknown {
+        if gap == Outage::Unknown {
             self.lose(state);
         }
         let seconds = self.advance(state, now, is_on);
-        let is_off = matches!(gap, Gap::OffUntil(_));
+        let is_off = matches!(gap, Outage::OffUntil(_));
         if state.is_located && seconds > 0 && !is_off {
             self.draw_at_most(state, seconds, !is_on);
         }
@@ -565,7 +565,7 @@ impl<const ACTIONS: usize, E: Element> Tier for VoltageNode<ACTIONS, E> {
 
     #[cold]
     #[inline(never)]
-    fn wake_after(&self, state: &mut VoltageState<ACTIONS>, gap: Gap, code: Option<u32>) -> Wake {
+    fn wake_after(&self, state: &mut VoltageState<ACTIONS>, gap: Outage, code: Option<u32>) -> Wake {
         self.wake_after_with(state, gap, code, None)
     }
 }

@@ -123,11 +123,11 @@ impl<S: Scalar> Cantilever<S> {
     ///
     /// All modes together have `(s L)³/3EI`. The omitted modes are summed directly, because the difference of
     /// the total and the kept modes cancels: with ten modes in `f32` it has an error of 10⁻³.
-    pub(crate) fn residual_compliance(&self, place: S, kept: u32) -> S {
+    pub(crate) fn residual_compliance(&self, place: S, modes: u32) -> S {
         let free = Self { tip_mass: S::ZERO, ..*self };
-        let last = kept + SUMMED;
+        let last = modes + SUMMED;
         let mut sum = S::ZERO;
-        for number in (kept + 1..=last).rev() {
+        for number in (modes + 1..=last).rev() {
             let mode = free.mode(number);
             let ratio = mode.shape(place).value / mode.angular_frequency;
             sum += ratio * ratio;
@@ -398,19 +398,19 @@ mod tests {
     }
 
     #[test]
-    fn kept_and_left_out_modes_make_the_whole_compliance() {
+    fn retained_and_residual_modes_make_the_whole_compliance() {
         let beam = slider(0.0);
         for place in [1.0, 0.5, 0.3] {
             let whole = (place * beam.length).powi(3) / (3.0 * beam.bending_stiffness);
-            for kept in [0_u32, 1, 4, 10, 20] {
-                let kept_part: f64 = (1..=kept)
+            for modes in [0_u32, 1, 4, 10, 20] {
+                let modal_part: f64 = (1..=modes)
                     .map(|i| (beam.mode(i).shape(place).value / beam.mode(i).angular_frequency).powi(2))
                     .sum();
-                let rest = beam.residual_compliance(place, kept);
+                let rest = beam.residual_compliance(place, modes);
                 // Relative to the residual compliance, of which the difference keeps some digits.
-                assert!((kept_part + rest - whole).abs() < 2e-4 * rest + 1e-13 * whole, "{place} {kept}");
-                let coarse = f64::from(single(beam).residual_compliance(place as f32, kept));
-                assert!((coarse / rest - 1.0).abs() < 2e-5, "{place} {kept} {coarse} {rest}");
+                assert!((modal_part + rest - whole).abs() < 2e-4 * rest + 1e-13 * whole, "{place} {modes}");
+                let coarse = f64::from(single(beam).residual_compliance(place as f32, modes));
+                assert!((coarse / rest - 1.0).abs() < 2e-5, "{place} {modes} {coarse} {rest}");
             }
         }
     }

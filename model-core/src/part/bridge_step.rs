@@ -64,7 +64,7 @@ pub struct BridgeStep<S> {
 /// The result of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Passed<S> {
+pub struct BridgeCharge<S> {
     /// Charge in C that leaves the electrodes.
     pub charge: S,
     /// Mean square in V² of the terminal voltage if the bridge conducts.
@@ -140,12 +140,12 @@ impl<S: Scalar> BridgeStep<S> {
         [voltage, charge]: [S; 2],
         storage: &mut StorageState<S>,
         account: &mut StorageAccount<S>,
-    ) -> Passed<S> {
-        let (passed, mean_square_voltage) = self.pass(bridge, [voltage, charge], storage, account);
-        let end = voltage + (charge - passed) * self.own;
+    ) -> BridgeCharge<S> {
+        let (transferred, mean_square_voltage) = self.pass(bridge, [voltage, charge], storage, account);
+        let end = voltage + (charge - transferred) * self.own;
         let late = self.drain(bridge, end, storage, account);
         storage.switch(&bridge.storage);
-        Passed { charge: passed + late, mean_square_voltage }
+        BridgeCharge { charge: transferred + late, mean_square_voltage }
     }
 
     /// Applies the charge without outflow. Returns the signed charge in C that passes into the storage, and
@@ -166,9 +166,9 @@ impl<S: Scalar> BridgeStep<S> {
         let (from, to) = (at.threshold - at.room, at.threshold + at.beyond * self.together);
         let square = |a: S, b: S| S::from_f64(1.0 / 3.0) * (a * a + a * b + b * b);
         let mean_square = part * square(from, at.threshold) + (S::ONE - part) * square(at.threshold, to);
-        let passed = self.share * at.beyond;
-        self.receive(bridge, passed, S::ZERO, storage, account);
-        (at.sign * passed, Some(mean_square))
+        let transferred = self.share * at.beyond;
+        self.receive(bridge, transferred, S::ZERO, storage, account);
+        (at.sign * transferred, Some(mean_square))
     }
 
     /// Applies half of the outflow of the storage. The capacitance falls with the storage from the instant at which the
@@ -187,8 +187,8 @@ impl<S: Scalar> BridgeStep<S> {
             (*storage, *account) = (alone, of_alone);
             return S::ZERO;
         }
-        let passed = self.drain_together(bridge, voltage.abs(), storage, account);
-        if voltage < S::ZERO { -passed } else { passed }
+        let transferred = self.drain_together(bridge, voltage.abs(), storage, account);
+        if voltage < S::ZERO { -transferred } else { transferred }
     }
 
     /// Applies half of the outflow to the storage until its threshold falls to a magnitude of the voltage, and then to the
@@ -202,10 +202,10 @@ impl<S: Scalar> BridgeStep<S> {
         account: &mut StorageAccount<S>,
     ) -> S {
         let excess = magnitude - bridge.threshold(storage.voltage);
-        let (mut passed, mut alone) = (S::ZERO, S::ZERO);
+        let (mut transferred, mut alone) = (S::ZERO, S::ZERO);
         if excess > S::ZERO {
-            passed = self.share * excess * self.capacitance;
-            self.receive(bridge, passed, excess, storage, account);
+            transferred = self.share * excess * self.capacitance;
+            self.receive(bridge, transferred, excess, storage, account);
         } else {
             alone = storage.time_to_fall(&bridge.storage, self.storage, -excess, self.half);
             storage.drain(&bridge.storage, self.storage, alone, account);
@@ -214,7 +214,7 @@ impl<S: Scalar> BridgeStep<S> {
         let following = self.capacitance * fall;
         account.delivered += following * (storage.voltage + S::from_f64(0.5) * fall);
         account.diodes += following * (bridge.diode_drop + bridge.diode_drop);
-        passed + following
+        transferred + following
     }
 
     /// Adds a charge in C to the storage, from a terminal voltage that exceeds the threshold by `excess` at
@@ -260,7 +260,7 @@ mod tests {
         let count = 400_000;
         let piece = charge / f64::from(count);
         let (mut v, mut storage) = (start, voltage);
-        let (mut mean, mut square, mut passed, mut delivered) = (0.0, 0.0, 0.0, 0.0);
+        let (mut mean, mut square, mut transferred, mut delivered) = (0.0, 0.0, 0.0, 0.0);
         for _ in 0..count {
             let before = v;
             v += piece / CAPACITANCE;
@@ -269,14 +269,14 @@ mod tests {
                 let through = excess / (1.0 / CAPACITANCE + 1.0 / capacitance);
                 delivered += through * (storage + 0.5 * through / capacitance);
                 storage += through / capacitance;
-                passed += through * v.signum();
+                transferred += through * v.signum();
                 v -= through / CAPACITANCE * v.signum();
             }
             let middle = 0.5 * (before + v);
             mean += middle / f64::from(count);
             square += middle * middle / f64::from(count);
         }
-        [mean, square, passed, delivered]
+        [mean, square, transferred, delivered]
     }
 
     #[test]
@@ -285,7 +285,7 @@ mod tests {
             for (start, charge) in [(0.2, 5e-8), (2.5, 1e-8), (2.6, 4e-9), (-2.0, 9e-8), (0.5, -6e-8)] {
                 let bridge = bridge(capacitance, 2.0);
                 let step = BridgeStep::new(CAPACITANCE, &bridge.storage, STEP);
-                let [mean, square, passed, delivered] = walked(capacitance, 2.0, start, charge);
+                let [mean, square, transferred, delivered] = walked(capacitance, 2.0, start, charge);
                 let mut storage = StorageState::of(&bridge.storage);
                 let mut account = StorageAccount::default();
                 let Some([e0, e1]) = step.tangent(2.6, start, charge) else { panic!("it conducts") };
@@ -294,7 +294,7 @@ mod tests {
                     assert!((a / b - 1.0).abs() < 1e-4, "{what} {capacitance} {start} {charge}: {a} {b}");
                 };
                 close("mean", e0 + e1 * charge, mean);
-                close("passed", through, passed);
+                close("passed", through, transferred);
                 close("mean square", found.expect("it conducts"), square);
                 close("delivered", account.delivered, delivered);
                 // The slope is the derivative of the mean.
@@ -325,11 +325,11 @@ mod tests {
         assert_eq!(step.tangent(2.0, 1.0, -2.999 * to_threshold), None);
         let mut storage = StorageState::of(&bus.storage);
         let mut account = StorageAccount::default();
-        let (passed, _) = step.pass(&bus, [1.0, 3.0 * to_threshold], &mut storage, &mut account);
-        assert!((passed / (2.0 * to_threshold) - 1.0).abs() < 1e-14);
+        let (transferred, _) = step.pass(&bus, [1.0, 3.0 * to_threshold], &mut storage, &mut account);
+        assert!((transferred / (2.0 * to_threshold) - 1.0).abs() < 1e-14);
         assert_eq!(storage.voltage, 1.5);
-        assert!((account.delivered / (passed * 1.5) - 1.0).abs() < 1e-14);
-        assert!((account.diodes / (passed * 0.5) - 1.0).abs() < 1e-14);
+        assert!((account.delivered / (transferred * 1.5) - 1.0).abs() < 1e-14);
+        assert!((account.diodes / (transferred * 0.5) - 1.0).abs() < 1e-14);
     }
 
     #[test]
@@ -344,7 +344,7 @@ mod tests {
         let step = BridgeStep::new(CAPACITANCE, &bridge.storage, STEP);
         for start in [0.5, 2.2, -2.5, 2.6] {
             let (mut state, mut account) = (StorageState::of(&bridge.storage), StorageAccount::default());
-            let passed = step.drain(&bridge, start, &mut state, &mut account);
+            let transferred = step.drain(&bridge, start, &mut state, &mut account);
             // By closed forms: C V' = −V/R up to the threshold, then (C + C_p) V' = −V/R.
             let level = f64::abs(start) - 0.6;
             let alone = (leakage_resistance * capacitance * (2.0 / level).ln()).min(half);
@@ -354,9 +354,9 @@ mod tests {
             let end = before * (-(half - alone) / together).exp();
             assert!((state.voltage / end - 1.0).abs() < 1e-12, "{start}: {} {end}", state.voltage);
             let following = CAPACITANCE * (before - end) * f64::signum(start);
-            assert!((passed - following).abs() < 1e-12 * 2e-8, "{start}: {passed} {following}");
+            assert!((transferred - following).abs() < 1e-12 * 2e-8, "{start}: {transferred} {following}");
             // What the storage and the capacitance lose leaks, or is lost in the diodes.
-            let after = f64::abs(start) - passed.abs() / CAPACITANCE;
+            let after = f64::abs(start) - transferred.abs() / CAPACITANCE;
             let lost =
                 0.5 * capacitance * (4.0 - end * end) + 0.5 * CAPACITANCE * (start * start - after * after);
             assert!(((account.leaked + account.diodes) / lost - 1.0).abs() < 1e-12, "{start}");
@@ -375,10 +375,10 @@ mod tests {
         let step = BridgeStep::new(CAPACITANCE, &bridge.storage, STEP);
         for start in [2.3, 2.5, 2.599] {
             let (mut state, mut account) = (StorageState::of(&bridge.storage), StorageAccount::default());
-            let passed = step.drain(&bridge, start, &mut state, &mut account);
-            let end = start - passed / CAPACITANCE;
+            let transferred = step.drain(&bridge, start, &mut state, &mut account);
+            let end = start - transferred / CAPACITANCE;
             assert!(
-                passed > 0.0 && (end - 0.6 - state.voltage).abs() < 1e-9,
+                transferred > 0.0 && (end - 0.6 - state.voltage).abs() < 1e-9,
                 "{start}: {end} {}",
                 state.voltage
             );
@@ -386,13 +386,13 @@ mod tests {
     }
 
     #[test]
-    fn a_store_that_is_too_low_is_brought_level_and_energy_is_kept() {
+    fn a_store_that_is_too_low_is_brought_level_and_energy_is_conserved() {
         let bridge = bridge(1e-7, 2.0);
         let step = BridgeStep::new(CAPACITANCE, &bridge.storage, STEP);
         let (mut storage, mut account) = (StorageState::of(&bridge.storage), StorageAccount::default());
-        let passed = step.drain(&bridge, -4.0, &mut storage, &mut account);
-        let end = -4.0 - passed / CAPACITANCE;
-        assert!(passed < 0.0 && (-end - storage.voltage - 0.6).abs() < 1e-14);
+        let transferred = step.drain(&bridge, -4.0, &mut storage, &mut account);
+        let end = -4.0 - transferred / CAPACITANCE;
+        assert!(transferred < 0.0 && (-end - storage.voltage - 0.6).abs() < 1e-14);
         let given = 0.5 * CAPACITANCE * (16.0 - end * end);
         let gained = 0.5e-7 * (storage.voltage * storage.voltage - 4.0);
         assert!((account.delivered / gained - 1.0).abs() < 1e-13);

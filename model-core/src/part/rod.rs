@@ -50,14 +50,14 @@ impl<S: Scalar> Rod<S> {
     /// (L/EA) Σ 1/(2j − 1)²`. For `kept` = 0 it is that of the massless rod, `L/EA`.
     ///
     /// The omitted modes are summed directly, because the difference of the total and the kept modes cancels.
-    pub(crate) fn residual_compliance(&self, kept: u32) -> S {
+    pub(crate) fn residual_compliance(&self, modes: u32) -> S {
         let compliance = self.length / self.axial_stiffness;
-        if kept == 0 {
+        if modes == 0 {
             return compliance;
         }
         let mut sum = S::ZERO;
-        let last = kept + SUMMED;
-        for number in (kept + 1..=last).rev() {
+        let last = modes + SUMMED;
+        for number in (modes + 1..=last).rev() {
             let odd = S::from_u32(2 * number - 1);
             sum += S::ONE / (odd * odd);
         }
@@ -92,20 +92,21 @@ mod tests {
     }
 
     #[test]
-    fn kept_and_left_out_modes_make_the_whole_compliance() {
+    fn retained_and_residual_modes_make_the_whole_compliance() {
         let whole = STOP.length / STOP.axial_stiffness;
-        for kept in [0_u32, 1, 2, 5, 10, 20] {
-            let kept_part: f64 =
-                (1..=kept).map(|j| (STOP.mode(j).tip / STOP.mode(j).angular_frequency).powi(2)).sum();
-            let sum = kept_part + STOP.residual_compliance(kept);
-            assert!((sum / whole - 1.0).abs() < 1e-12, "{kept} {}", sum / whole - 1.0);
+        for modes in [0_u32, 1, 2, 5, 10, 20] {
+            let modal_part: f64 =
+                (1..=modes).map(|j| (STOP.mode(j).tip / STOP.mode(j).angular_frequency).powi(2)).sum();
+            let sum = modal_part + STOP.residual_compliance(modes);
+            assert!((sum / whole - 1.0).abs() < 1e-12, "{modes} {}", sum / whole - 1.0);
             let single = Rod {
                 length: STOP.length as f32,
                 axial_stiffness: STOP.axial_stiffness as f32,
                 mass_per_length: STOP.mass_per_length as f32,
             };
-            let relative = f64::from(single.residual_compliance(kept)) / STOP.residual_compliance(kept) - 1.0;
-            assert!(relative.abs() < 1e-6, "{kept} {relative}");
+            let relative =
+                f64::from(single.residual_compliance(modes)) / STOP.residual_compliance(modes) - 1.0;
+            assert!(relative.abs() < 1e-6, "{modes} {relative}");
         }
     }
 }

@@ -51,7 +51,6 @@
 //! The static compliance and the static curvatures of all modes together do not depend on masses; only the curvature under
 //! the base acceleration has the moment `M (L_b + d)` of the body as well.
 
-mod checked;
 mod checks;
 mod choices;
 mod circuit;
@@ -59,14 +58,15 @@ mod clamp;
 mod closed_form;
 mod contact_law;
 mod energies;
+mod gap_bound;
 mod halves;
 mod harvester;
 mod impact;
 mod mode_step;
 mod parameters;
-mod reach;
 mod rectified;
 mod state;
+mod step_doubling;
 mod step_set;
 mod stepper;
 mod stop;
@@ -74,7 +74,6 @@ mod tip_mass;
 mod trial;
 mod validity;
 
-pub use checked::{Checked, CheckedState};
 pub use checks::Checks;
 pub use choices::{AnyChoices, AnyCoupling, Choices, OneWay, Parts, TwoWay};
 pub use circuit::{Circuit, Resistive};
@@ -82,6 +81,7 @@ pub use clamp::{ClampBending, ClampMeter, Fibre};
 pub use contact_law::{AnyContact, DisplacementConstraint, NoStop, ResidualFlexibility, Restitution};
 pub use parameters::Parameters;
 pub use state::{Start, State, StateOf};
+pub use step_doubling::{StepDoubling, StepDoublingState};
 use stepper::LEAST_BUDGET;
 pub use stepper::Stepper;
 pub use stop::Stop;

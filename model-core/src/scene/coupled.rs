@@ -72,7 +72,7 @@ impl<S: Scalar> ModeFactor<S> {
 
     /// The factor for a fixed position and velocity.
     #[inline]
-    pub(crate) fn held(weight: S, current_by_charge: S) -> Self {
+    pub(crate) fn at_rest(weight: S, current_by_charge: S) -> Self {
         let charge_by_charge = S::ONE - weight * current_by_charge;
         let inverse = [[S::ONE, S::ZERO], [S::ZERO, S::ONE / charge_by_charge]];
         Self { position_by_velocity: S::ZERO, by_position: [S::ZERO; 2], inverse }
@@ -109,7 +109,7 @@ macro_rules! flow_items {
         fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
             let derivatives = self.derivatives(state);
             if self.is_stick() {
-                return Some(ModeFactor::held(weight, derivatives.current_by_charge));
+                return Some(ModeFactor::at_rest(weight, derivatives.current_by_charge));
             }
             ModeFactor::moving(weight, &derivatives)
         }

@@ -93,11 +93,11 @@
 //! let draw = PowerDraw { power: 2e-6, lockout: Lockout { turn_on: 4.5, turn_off: 3.0 } };
 //! let storage = StorageCapacitor { capacitor: Capacitor { capacitance: 1e-6, leakage_resistance: 1e9 }, initial_voltage: 0.0, draw };
 //! let scene = Rectified::new(harvester, FullBridge { diode_drop: 0.3, storage })?;
-//! let shaking = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
+//! let vibration = Sine::<f32>::new(1.962, 20.0, 0.0)?; // m/s², Hz, rad
 //! let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(1e-3)?);
-//! let mut state = harvester.start(&Start::default(), &shaking)?;
+//! let mut state = harvester.start(&Start::default(), &vibration)?;
 //! let mut meter = PowerMeter::new();
-//! harvester.advance(&mut state, &shaking, Instant::from_whole_seconds(2), 100_000, &mut meter)?;
+//! harvester.advance(&mut state, &vibration, Instant::from_whole_seconds(2), 100_000, &mut meter)?;
 //! let volts = scene.storage_voltage(state.mode, &state.point.state);
 //! assert!((0.5..3.0).contains(&volts));
 //! // No draw yet and hardly any leakage: the delivered energy is stored.

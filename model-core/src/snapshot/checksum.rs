@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn fingerprints_tell_values_precisions_and_counts_apart() {
+    fn fingerprints_separate_values_precisions_and_counts() {
         let of = |take: fn(&mut Fingerprint)| {
             let mut fingerprint = Fingerprint::new();
             take(&mut fingerprint);

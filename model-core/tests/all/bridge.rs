@@ -71,7 +71,7 @@ pub(crate) fn adaptive<S: Scalar>(tolerance: f64) -> AnyStepControl<S> {
 pub(crate) fn run<S, H, R, M, E, O>(
     scene: &Rectified<S, H, R>,
     start: &H::Start,
-    shaking: &E,
+    vibration: &E,
     driver: &Driver<M, AnyStepControl<S>>,
     seconds: f64,
     observer: &mut O,
@@ -84,8 +84,8 @@ where
     E: Excitation<S>,
     O: Observer<S>,
 {
-    let mut state = scene.start::<_, _, WHOLE>(start, shaking, &driver.control).expect("in bounds");
+    let mut state = scene.start::<_, _, WHOLE>(start, vibration, &driver.control).expect("in bounds");
     let end = Instant::from_seconds(seconds).expect("in range");
-    driver.advance(scene, &mut state, shaking, end, u32::MAX, observer).expect("runs");
+    driver.advance(scene, &mut state, vibration, end, u32::MAX, observer).expect("runs");
     state
 }

@@ -45,7 +45,7 @@ pub(crate) fn resistor<S: Scalar>(resistance: f64) -> AnyDraw<S> {
 }
 
 /// 20 m/s² at a frequency in Hz.
-pub(crate) fn shaking<S: Scalar>(frequency: f64) -> Sine<S, S::Build> {
+pub(crate) fn vibration<S: Scalar>(frequency: f64) -> Sine<S, S::Build> {
     Sine::new(S::from_f64(20.0), S::from_f64(frequency), S::ZERO).expect("valid")
 }
 

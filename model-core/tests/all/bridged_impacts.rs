@@ -73,11 +73,11 @@ fn impacts(number: u64, tolerance: Option<f64>) -> Impacts {
     let scene = behind(parameters.build().expect("in bounds"), storage(farads, volts), drop);
     let frequency = natural_hz * random.between_logarithmic(0.5, 2.0);
     let amplitude = random.between_logarithmic(0.3, 30.0) * gap * (TAU * natural_hz).powi(2);
-    let shaking = Sine::<f64>::new(amplitude, frequency, 0.0).expect("in bounds");
+    let vibration = Sine::<f64>::new(amplitude, frequency, 0.0).expect("in bounds");
     let own = random.between_logarithmic(1e-6, 5e-2);
     let driver = Driver::new(ExponentialRadau, adaptive(tolerance.unwrap_or(own)));
     let mut impacts = Impacts::default();
-    run(&scene, &Start::default(), &shaking, &driver, PERIODS / natural_hz, &mut impacts);
+    run(&scene, &Start::default(), &vibration, &driver, PERIODS / natural_hz, &mut impacts);
     impacts.depth /= gap;
     impacts
 }

@@ -2,7 +2,7 @@
 
 mod calibration;
 
-use crate::bridged::{AnyBridge, baseline, resistor, shaking, storage};
+use crate::bridged::{AnyBridge, baseline, resistor, storage, vibration};
 use crate::common::Random;
 use crate::common::harvesters::{bump_parameters, sine_samples};
 use crate::estimator::settings;
@@ -16,7 +16,7 @@ use model_core::part::load::AnyLoad;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{
-    AnyChoices, AnyContact, Checked, Circuit, Parts, Resistive, Restitution, Stepper,
+    AnyChoices, AnyContact, Circuit, Parts, Resistive, Restitution, StepDoubling, Stepper,
 };
 use model_core::snapshot::{self, SnapshotError};
 
@@ -58,8 +58,8 @@ fn same_bits<S: Scalar, P: Parts<S> + Copy, const ALL: usize>(stepper: Stepper<S
 where
     Stepper<S, P, 4, 1, ALL>: Copy + Debug,
 {
-    let excitation = shaking::<S>(220.0);
-    let checked = Checked::new(stepper, 3);
+    let excitation = vibration::<S>(220.0);
+    let checked = StepDoubling::new(stepper, 3);
     let mut random = Random(11);
     let mut bare = stepper.start(&Default::default(), &excitation).expect("starts");
     let mut states = [checked.start(&Default::default(), &excitation).expect("starts"); 2];
@@ -76,7 +76,8 @@ where
                 let advance = checked.advance(state, &excitation, until, budget, meter).expect("runs");
                 assert!(
                     number == 0
-                        || advance.work.attempts() <= budget.max(Checked::<S, P, 4, 1, ALL>::LEAST_BUDGET)
+                        || advance.work.attempts()
+                            <= budget.max(StepDoubling::<S, P, 4, 1, ALL>::LEAST_BUDGET)
                 );
                 if advance.ended == Ended::Finished {
                     break;
@@ -122,12 +123,12 @@ fn checks_do_not_change_the_bits_of_a_run_and_do_not_depend_on_its_pieces() {
 
 #[test]
 fn at_rest_the_statement_is_zero() {
-    let checked = Checked::new(stepper::<f32, _>(resistive(), AnyContact::ResidualFlexibility), 4);
+    let checked = StepDoubling::new(stepper::<f32, _>(resistive(), AnyContact::ResidualFlexibility), 4);
     let mut state = checked.start(&Default::default(), &Silence).expect("starts");
-    assert_eq!(checked.checked_error(&state), None);
+    assert_eq!(checked.step_doubling_error(&state), None);
     let until = Instant::from_whole_seconds(1);
     checked.advance(&mut state, &Silence, until, EVER, &mut ()).expect("runs");
-    let error = checked.checked_error(&state).expect("checked");
+    let error = checked.step_doubling_error(&state).expect("checked");
     assert_eq!((error.relative, error.irregular), (0.0, 0.0));
 }
 
@@ -140,15 +141,15 @@ fn follow<S: Scalar, H: Harvester<S>>(estimator: &mut Estimator<S, H>, samples: 
 
 #[test]
 fn the_error_of_a_linear_motion_is_stated() {
-    let excitation = shaking::<f64>(235.0);
+    let excitation = vibration::<f64>(235.0);
     let scene = *stepper::<f64, _>(resistive(), AnyContact::NoStop).scene();
     let until = Instant::from_whole_seconds(2);
     let run = |short: f64, long: f64| {
-        let checked = Checked::new(Stepper::new(scene, short, long).expect("in bounds"), 4);
+        let checked = StepDoubling::new(Stepper::new(scene, short, long).expect("in bounds"), 4);
         let mut state = checked.start(&Default::default(), &excitation).expect("starts");
         let mut meter = PowerMeter::<f64>::new();
         checked.advance(&mut state, &excitation, until, EVER, &mut meter).expect("runs");
-        (meter.mean_power(), checked.checked_error(&state).expect("checked"))
+        (meter.mean_power(), checked.step_doubling_error(&state).expect("checked"))
     };
     let (truth, _) = run(1e-6, 1e-5);
     for long in [90e-6, 180e-6, 360e-6] {
@@ -171,9 +172,9 @@ fn a_run_with_checks_resumes_from_its_image() {
     where
         AnyChoices<S, L>: Parts<S>,
     {
-        let harvester = Checked::new(stepper::<S, L>(load, AnyContact::ResidualFlexibility), 2);
-        let other = Checked::new(*harvester.stepper(), 3);
-        let excitation = shaking::<S>(220.0);
+        let harvester = StepDoubling::new(stepper::<S, L>(load, AnyContact::ResidualFlexibility), 2);
+        let other = StepDoubling::new(*harvester.stepper(), 3);
+        let excitation = vibration::<S>(220.0);
         let mut state = harvester.start(&Default::default(), &excitation).expect("starts");
         let mut image = [0; 2048];
         for piece in 1..200_u64 {
@@ -183,7 +184,7 @@ fn a_run_with_checks_resumes_from_its_image() {
             snapshot::save(&state, harvester.fingerprint(), &mut image).expect("room");
             let awake = snapshot::restore(harvester.fingerprint(), &image).expect("its own image");
             assert_eq!(state, awake);
-            let refused = snapshot::restore::<<Checked<S, AnyChoices<S, L>, 4, 1> as Harvester<S>>::State>(
+            let refused = snapshot::restore::<<StepDoubling<S, AnyChoices<S, L>, 4, 1> as Harvester<S>>::State>(
                 other.fingerprint(),
                 &image,
             );

@@ -5,7 +5,7 @@
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
-use crate::bridged::{advance, baseline, bus, close, measured, seconds, shaking, storage};
+use crate::bridged::{advance, baseline, bus, close, measured, seconds, storage, vibration};
 use model_core::excitation::Sine;
 use model_core::observer::PowerIndex;
 use model_core::part::draw::AnyDraw;
@@ -49,7 +49,7 @@ fn one_mode<L: Circuit<f64>>(
 
 /// Mean power over 22 periods of a motion that has settled for 1.5 s.
 fn settled_power<P: Parts<f64>>(stepper: &Stepper<f64, P, 1, 0, 1>, hertz: f64) -> f64 {
-    let excitation = shaking(hertz);
+    let excitation = vibration(hertz);
     let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
     stepper.advance(&mut state, &excitation, seconds(1.5), u32::MAX, &mut ()).expect("runs");
     measured(stepper, &mut state, &excitation, 1.5 + 22.0 / hertz).mean_power()
@@ -64,7 +64,7 @@ fn a_bus_takes_what_the_closed_form_says() {
         for part in [0.25, 0.5, 0.75] {
             let volts = part * open;
             let stepper = one_mode(baseline(bus(volts, drop)), AnyCoupling::OneWay);
-            let excitation = shaking(HERTZ);
+            let excitation = vibration(HERTZ);
             let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
             advance(&stepper, &mut state, &excitation, 1.5);
             let meter = measured(&stepper, &mut state, &excitation, 1.6);

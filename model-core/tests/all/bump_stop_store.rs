@@ -1,7 +1,7 @@
 //! The bump-stop harvester behind a full bridge: the trajectory of another program through six regimes, the energy
 //! ledger with the storage, bits, and the cost of the step lengths.
 
-use crate::bridged::{AnyBridge, Bridged, advance, baseline, close, resistor, seconds, shaking, storage};
+use crate::bridged::{AnyBridge, Bridged, advance, baseline, close, resistor, seconds, storage, vibration};
 use model_core::energy::{Ledger, PowerMeter, RunMeter};
 use model_core::excitation::Silence;
 use model_core::observer::{AcceptedStep, Observer, PowerIndex};
@@ -27,7 +27,7 @@ fn six_regimes<S: Scalar>(short: f64, long: f64) -> Stepper<S, Bridged<S>, 4, 1>
 
 /// Storage voltage and terminal voltage after 12 ms from rest, and the steps taken.
 fn after_12_ms<S: Scalar>(stepper: &Stepper<S, Bridged<S>, 4, 1>) -> ([f64; 2], u32) {
-    let excitation = shaking(220.0);
+    let excitation = vibration(220.0);
     let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
     let taken = stepper.advance(&mut state, &excitation, seconds(12e-3), u32::MAX, &mut ()).expect("runs");
     let voltages = [state.circuit.voltage, stepper.scene().voltage(&state)];
@@ -77,7 +77,7 @@ fn charged<S: Scalar>(farads: f64) -> f64 {
     parameters.choices.stop.position = S::from_f64(0.025);
     let scene = parameters.build::<4, 1>().expect("valid");
     let stepper = Stepper::with_all_powers(scene, S::from_f64(1e-6), S::from_f64(2e-5)).expect("in bounds");
-    let excitation = shaking(220.0);
+    let excitation = vibration(220.0);
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     let mut ledger = Ledger::open(&stepper.outputs(&state));
     stepper.advance(&mut state, &excitation, seconds(0.5), u32::MAX, &mut ledger).expect("runs");
@@ -139,7 +139,7 @@ fn the_ledger_of_harvester_and_store_closes() {
             parameters.choices.stop.contact = contact;
             let scene = parameters.build::<4, 1>().expect("valid");
             let stepper = Stepper::with_all_powers(scene, 1e-6, long).expect("in bounds");
-            let excitation = shaking(220.0);
+            let excitation = vibration(220.0);
             let mut state = scene.start(&Start::default(), &excitation).expect("valid");
             let mut ledger = Ledger::open(&stepper.outputs(&state));
             let mut meter = RunMeter::new();
@@ -201,7 +201,7 @@ fn behind_a_bus_out_of_reach_the_terminals_are_open_to_the_bit() {
     fn run<L: Circuit<f32>>(load: L) -> ([[f32; 2]; 4], [[f32; 2]; 1], f32, f32, u32) {
         let stepper =
             Stepper::new(baseline(load).build::<4, 1>().expect("valid"), 1e-6, 2e-5).expect("in bounds");
-        let excitation = shaking(220.0);
+        let excitation = vibration(220.0);
         let mut state: StateOf<f32, AnyChoices<f32, L>, 4, 1> =
             stepper.scene().start(&Start::default(), &excitation).expect("valid");
         let steps = stepper.advance(&mut state, &excitation, seconds(0.05), u32::MAX, &mut ()).expect("runs");
@@ -226,7 +226,7 @@ fn a_store_chosen_when_compiling_has_the_bits_of_one_chosen_when_running() {
     ) -> State<f64, 4, 1, StorageState<f64>> {
         let stepper =
             Stepper::new(baseline(bridge).build::<4, 1>().expect("valid"), 1e-6, 2e-5).expect("in bounds");
-        let excitation = shaking(220.0);
+        let excitation = vibration(220.0);
         let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
         advance(&stepper, &mut state, &excitation, 0.03);
         state
@@ -241,7 +241,7 @@ fn a_run_has_the_same_bits_however_budgets_divide_it() {
     // The second long step is hardly longer than the short one.
     for long in [2e-5, 1.000_002e-6] {
         let stepper = six_regimes::<f32>(1e-6, long);
-        let excitation = shaking(220.0);
+        let excitation = vibration(220.0);
         let start = stepper.scene().start(&Start::default(), &excitation).expect("valid");
         let run = |budget| {
             let mut state = start;
@@ -292,7 +292,7 @@ fn a_draw_is_connected_and_disconnected_at_its_thresholds() {
     parameters.choices.stop.position = 0.025;
     let scene = parameters.build::<4, 1>().expect("valid");
     let stepper = Stepper::new(scene, 1e-6, 2e-5).expect("in bounds");
-    let excitation = shaking(220.0);
+    let excitation = vibration(220.0);
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     assert!(!state.circuit.connected);
     let mut seen = Switching::default();
@@ -317,7 +317,7 @@ fn charges(stop: Option<[f64; 2]>, published: &[(f64, f64)], relative: f64) {
         }
     }
     let stepper = Stepper::new(parameters.build::<10, 3>().expect("valid"), 1e-6, 1e-6).expect("in bounds");
-    let excitation = shaking(220.0);
+    let excitation = vibration(220.0);
     let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
     for &(at, volts) in published {
         let mut meter = PowerMeter::new();

@@ -36,7 +36,7 @@ enum Rule {
     /// The plan by what the budget learnt; an action runs if the budget allows it now.
     Learnt,
     /// The plan by the true income; an action runs if it can be afforded.
-    Knowing,
+    EstimationCost,
     /// No action.
     Idle,
 }
@@ -129,7 +129,7 @@ impl Node {
             hours: self.hours,
             brought: (self.truth.energy - self.truth.lock_out + came) * self.truth.discharging,
             learnt: run(Rule::Learnt),
-            knowing: run(Rule::Knowing),
+            knowing: run(Rule::EstimationCost),
             idle: run(Rule::Idle),
             greedy: self.greedy(&ahead),
         }
@@ -159,17 +159,17 @@ impl Node {
                 Rule::Learnt => {
                     planned = f64::from(self.budget.planned_power(&state, self.action.energy()));
                 }
-                Rule::Knowing if minute % REPLAN == 0 => {
+                Rule::EstimationCost if minute % REPLAN == 0 => {
                     planned = self.knowing_power(&truth, &ahead[minute as usize..]);
                 }
-                Rule::Knowing | Rule::Idle => {}
+                Rule::EstimationCost | Rule::Idle => {}
             }
             credit = (credit + (planned - self.standing) * 60.0 / work).clamp(0.0, 20.0);
             let now = 60 * minute;
             while credit >= 1.0
                 && match rule {
                     Rule::Learnt => self.budget.can_run_now(&state, &self.action, now),
-                    Rule::Knowing | Rule::Idle => self.budget.can_afford(&state, &self.action, now),
+                    Rule::EstimationCost | Rule::Idle => self.budget.can_afford(&state, &self.action, now),
                 }
             {
                 self.budget.spend(&mut state, self.action.energy());

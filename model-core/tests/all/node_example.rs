@@ -7,7 +7,7 @@ mod node;
 use model_core::energy::ResponseMap;
 use model_core::energy::response_map::MapError;
 use model_core::excitation::LineBank;
-use model_core::node::{Finding, MapNode, Modelled};
+use model_core::node::{Finding, MapNode, PredictedPower};
 
 #[test]
 fn a_sensor_that_is_exactly_still_is_at_rest_as_a_noisy_one_is() {
@@ -30,7 +30,7 @@ fn a_sensor_that_is_exactly_still_is_at_rest_as_a_noisy_one_is() {
                 })
                 .collect();
             let (_, lines) = bank.take(&mut state, &samples);
-            let modelled = Modelled::of_blocks(&map, &[lines.expect("a block")], 3.0);
+            let modelled = PredictedPower::of_blocks(&map, &[lines.expect("a block")], 3.0);
             assert_eq!(modelled.finding, Finding::Rest, "{resonance} Hz, {mean} and {noise} counts");
             assert!(modelled.lower.value == 0.0 && modelled.lower.noise > 0.0, "{modelled:?}");
         }

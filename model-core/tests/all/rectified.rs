@@ -18,7 +18,7 @@ use model_core::scene::{Scene, contact_separation as contact, sliding};
 fn residuals<S, H, R, M, E>(
     scene: &Rectified<S, H, R>,
     start: &H::Start,
-    shaking: &E,
+    vibration: &E,
     driver: &Driver<M, AnyStepControl<S>>,
     seconds: f64,
 ) -> [f64; 2]
@@ -29,10 +29,10 @@ where
     M: Method<S>,
     E: Excitation<S>,
 {
-    let opening = scene.start::<_, _, WHOLE>(start, shaking, &driver.control).expect("in bounds");
+    let opening = scene.start::<_, _, WHOLE>(start, vibration, &driver.control).expect("in bounds");
     let mut ledger =
         Ledger::open(&Automaton::<S, STATES, WHOLE>::outputs(scene, opening.mode, &opening.point));
-    run(scene, start, shaking, driver, seconds, &mut ledger);
+    run(scene, start, vibration, driver, seconds, &mut ledger);
     let left = ledger.residual();
     let scale = left.scale.to_f64();
     [(left.mechanical + left.electrical).to_f64() / scale, left.storage.to_f64() / scale].map(f64::abs)
@@ -81,16 +81,16 @@ fn a_threshold_within_the_roundings_of_the_voltage_costs_no_steps() {
     let work = |drop, [amplitude, frequency]: [f64; 2]| {
         let pad = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::GapField), storage(4.9e-9, 0.0), drop);
         let driver = Driver::new(ExponentialRadau, adaptive(1e-5));
-        let shaking = sine(amplitude, frequency);
+        let vibration = sine(amplitude, frequency);
         let mut state = pad
-            .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control)
+            .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
             .expect("in bounds");
         let end = Instant::from_seconds(0.1).expect("in range");
-        driver.advance(&pad, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs").work
+        driver.advance(&pad, &mut state, &vibration, end, u32::MAX, &mut ()).expect("runs").work
     };
-    for shaking in [[0.2, 20.5], [0.5, 4278.0], [0.05, 700.0], [0.2, 60.0]] {
-        let [none, some] = [0.0, 0.01].map(|drop| work(drop, shaking));
-        println!("{shaking:?}: {none:?}, {some:?}");
+    for vibration in [[0.2, 20.5], [0.5, 4278.0], [0.05, 700.0], [0.2, 60.0]] {
+        let [none, some] = [0.0, 0.01].map(|drop| work(drop, vibration));
+        println!("{vibration:?}: {none:?}, {some:?}");
         assert!(
             none.events >= some.events && none.attempts() < 2 * some.attempts() + 200,
             "{none:?} {some:?}"
@@ -134,12 +134,12 @@ fn a_bridge_conducts_before_the_impact_that_ends_a_step() {
     let start = contact::Start::default();
     let end = Instant::from_seconds(0.2).expect("in range");
     for gravities in [50.0, 61.86, 80.0, 120.0] {
-        let shaking = Sine::<f64>::new(gravities * GRAVITY, 20.76, -2.157).expect("in bounds");
+        let vibration = Sine::<f64>::new(gravities * GRAVITY, 20.76, -2.157).expect("in bounds");
         let (mut open, mut bridged) = (Impacts::default(), Impacts::default());
         let mut state =
-            scene.harvester().start::<_, _, WHOLE>(&start, &shaking, &driver.control).expect("in bounds");
-        driver.advance(scene.harvester(), &mut state, &shaking, end, u32::MAX, &mut open).expect("runs");
-        run(&scene, &start, &shaking, &driver, 0.2, &mut bridged);
+            scene.harvester().start::<_, _, WHOLE>(&start, &vibration, &driver.control).expect("in bounds");
+        driver.advance(scene.harvester(), &mut state, &vibration, end, u32::MAX, &mut open).expect("runs");
+        run(&scene, &start, &vibration, &driver, 0.2, &mut bridged);
         println!("{gravities} g: {} impacts, first {} s, {} V", open.at.len(), open.at[0], bridged.highest);
         // Without a force on the mass the circuit does not change the motion.
         assert_eq!(open.at.len(), bridged.at.len());
@@ -296,15 +296,16 @@ fn each_regime_is_what_it_says() {
 #[test]
 fn the_bits_do_not_depend_on_how_a_run_is_divided() {
     let scene = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::GapField), storage(1e-8, 1.0), 0.3);
-    let shaking = sine::<f32>(0.2, 20.0);
+    let vibration = sine::<f32>(0.2, 20.0);
     let whole = Driver::new(TrBdf2, adaptive(1e-3));
-    let expected = run(&scene, &contact::Start::default(), &shaking, &whole, 2.0, &mut ());
+    let expected = run(&scene, &contact::Start::default(), &vibration, &whole, 2.0, &mut ());
     let pausing = Driver { pause_at_events: true, ..whole };
-    let mut found =
-        scene.start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &whole.control).expect("in bounds");
+    let mut found = scene
+        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &whole.control)
+        .expect("in bounds");
     let end = Instant::from_whole_seconds(2);
     while found.clock < end {
-        pausing.advance(&scene, &mut found, &shaking, end, 50, &mut ()).expect("runs");
+        pausing.advance(&scene, &mut found, &vibration, end, 50, &mut ()).expect("runs");
     }
     assert_eq!(found, expected);
 }
@@ -312,14 +313,14 @@ fn the_bits_do_not_depend_on_how_a_run_is_divided() {
 /// A large storage in `f32`: each conduction brings it less than a rounding of its voltage.
 #[test]
 fn a_supercapacitor_fills_in_single_precision() {
-    let shaking = (sine::<f64>(0.2, 20.0), sine::<f32>(0.2, 20.0));
+    let vibration = (sine::<f64>(0.2, 20.0), sine::<f32>(0.2, 20.0));
     let law = AnyForceLaw::TransferredCharge;
     let double = behind(pad::<f64>(f64::INFINITY, law), storage(1.0, 3.0), 0.3);
     let single = behind(pad::<f32>(f64::INFINITY, law), storage(1.0, 3.0), 0.3);
     let start = (contact::Start::default(), contact::Start::default());
     let (mut exact, mut meter) = (RunMeter::new(), RunMeter::new());
-    let end = run(&double, &start.0, &shaking.0, &Driver::new(TrBdf2, fixed(1e-5)), 4.0, &mut exact);
-    let found = run(&single, &start.1, &shaking.1, &Driver::new(TrBdf2, fixed(1e-5)), 4.0, &mut meter);
+    let end = run(&double, &start.0, &vibration.0, &Driver::new(TrBdf2, fixed(1e-5)), 4.0, &mut exact);
+    let found = run(&single, &start.1, &vibration.1, &Driver::new(TrBdf2, fixed(1e-5)), 4.0, &mut meter);
     let gained = store_gain_from(&double, &end, 3.0);
     let in_single = store_gain_from(&single, &found, 3.0);
     println!("{gained:e} J and {in_single:e} J stored, {:e} J delivered", exact.delivered_energy());

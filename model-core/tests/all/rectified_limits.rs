@@ -18,15 +18,15 @@ use model_core::scene::{contact_separation as contact, sliding};
 fn a_bus_without_voltage_is_a_short_circuit() {
     let driver = Driver::new(TrBdf2, adaptive(1e-7));
     let law = AnyForceLaw::TransferredCharge;
-    let (bus, shaking) = (DcBus { voltage: 0.0 }, sine::<f64>(0.2, 20.0));
+    let (bus, vibration) = (DcBus { voltage: 0.0 }, sine::<f64>(0.2, 20.0));
     let end = Instant::from_whole_seconds(1);
     let shorted = pad::<f64>(0.0, law);
     let mut state = shorted
-        .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control)
+        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
         .expect("in bounds");
-    driver.advance(&shorted, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
+    driver.advance(&shorted, &mut state, &vibration, end, u32::MAX, &mut ()).expect("runs");
     let scene = behind(pad::<f64>(f64::INFINITY, law), bus, 0.0);
-    let found = run(&scene, &contact::Start::default(), &shaking, &driver, 1.0, &mut ());
+    let found = run(&scene, &contact::Start::default(), &vibration, &driver, 1.0, &mut ());
     compare(
         "contact",
         [found.point.state[0], found.point.state[1]],
@@ -34,14 +34,14 @@ fn a_bus_without_voltage_is_a_short_circuit() {
         [3e-3, 0.4],
     );
 
-    let shaking = sine::<f64>(0.36, 18.373);
+    let vibration = sine::<f64>(0.36, 18.373);
     let shorted = slider::<f64>(0.0);
     let mut state = shorted
-        .start::<_, _, WHOLE>(&sliding::Start::default(), &shaking, &driver.control)
+        .start::<_, _, WHOLE>(&sliding::Start::default(), &vibration, &driver.control)
         .expect("in bounds");
-    driver.advance(&shorted, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
+    driver.advance(&shorted, &mut state, &vibration, end, u32::MAX, &mut ()).expect("runs");
     let scene = behind(slider::<f64>(f64::INFINITY), bus, 0.0);
-    let found = run(&scene, &sliding::Start::default(), &shaking, &driver, 1.0, &mut ());
+    let found = run(&scene, &sliding::Start::default(), &vibration, &driver, 1.0, &mut ());
     compare(
         "sliding",
         [found.point.state[0], found.point.state[1]],
@@ -63,16 +63,18 @@ fn compare(name: &str, found: [f64; 2], expected: [f64; 2], sizes: [f64; 2]) {
 fn a_bus_out_of_reach_is_an_open_circuit() {
     let driver = Driver::new(TrBdf2, adaptive(1e-4));
     let law = AnyForceLaw::TransferredCharge;
-    let (bus, shaking) = (DcBus { voltage: 1e6_f32 }, sine::<f32>(0.2, 20.0));
+    let (bus, vibration) = (DcBus { voltage: 1e6_f32 }, sine::<f32>(0.2, 20.0));
     let end = Instant::from_whole_seconds(2);
     let open = pad::<f32>(f64::INFINITY, law);
-    let mut state =
-        open.start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control).expect("in bounds");
-    let alone = driver.advance(&open, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
+    let mut state = open
+        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
+        .expect("in bounds");
+    let alone = driver.advance(&open, &mut state, &vibration, end, u32::MAX, &mut ()).expect("runs");
     let scene = behind(open, bus, 0.3);
-    let mut found =
-        scene.start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control).expect("in bounds");
-    let bridged = driver.advance(&scene, &mut found, &shaking, end, u32::MAX, &mut ()).expect("runs");
+    let mut found = scene
+        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
+        .expect("in bounds");
+    let bridged = driver.advance(&scene, &mut found, &vibration, end, u32::MAX, &mut ()).expect("runs");
     assert!(alone.work.events > 10);
     assert_eq!(bridged.work, alone.work);
     assert_eq!(found.point.state[..3], state.point.state);
@@ -87,7 +89,7 @@ fn a_bus_receives_what_the_extremes_of_the_motion_say() {
     let threshold = voltage + 2.0 * drop;
     let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::TransferredCharge), DcBus { voltage }, drop);
     let frequency = 18.0;
-    let shaking = sine::<f64>(0.05, frequency);
+    let vibration = sine::<f64>(0.05, frequency);
     let (area, thickness) = (VACUUM_PERMITTIVITY * 4e-4, 5e-5 / 2.0);
     // Q = q − C_p V at a gap and a voltage.
     let charge = |gap: f64, voltage: f64| {
@@ -98,11 +100,11 @@ fn a_bus_receives_what_the_extremes_of_the_motion_say() {
     let end = Instant::from_seconds(610.0 / frequency).expect("in range");
     let implicit = Driver::new(TrBdf2, adaptive(1e-6));
     let mut state = scene
-        .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &implicit.control)
+        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &implicit.control)
         .expect("in bounds");
     let mut meter = RunMeter::new();
-    implicit.advance(&scene, &mut state, &shaking, settled, u32::MAX, &mut ()).expect("runs");
-    implicit.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut meter).expect("runs");
+    implicit.advance(&scene, &mut state, &vibration, settled, u32::MAX, &mut ()).expect("runs");
+    implicit.advance(&scene, &mut state, &vibration, end, u32::MAX, &mut meter).expect("runs");
     let gap = meter.report().coordinate;
     let passed = charge(gap.highest, threshold) - charge(gap.lowest, -threshold);
     let expected = 10.0 * 2.0 * passed * voltage;
@@ -122,7 +124,7 @@ fn an_explicit_method_finds_the_same_of_the_slider() {
     let threshold = voltage + 2.0 * drop;
     let scene = behind(slider::<f64>(f64::INFINITY), DcBus { voltage }, drop);
     let frequency = 18.373;
-    let shaking = sine::<f64>(0.36, frequency);
+    let vibration = sine::<f64>(0.36, frequency);
     let patch = core::f64::consts::PI * 1e-4;
     let overlap = |x: f64| {
         let away = x.abs() / 0.02;
@@ -136,11 +138,11 @@ fn an_explicit_method_finds_the_same_of_the_slider() {
     let end = Instant::from_seconds(1010.0 / frequency).expect("in range");
     let explicit = Driver::new(RungeKutta4, fixed(0.05 / 800.0));
     let mut state = scene
-        .start::<_, _, WHOLE>(&sliding::Start::default(), &shaking, &explicit.control)
+        .start::<_, _, WHOLE>(&sliding::Start::default(), &vibration, &explicit.control)
         .expect("in bounds");
     let mut meter = RunMeter::new();
-    explicit.advance(&scene, &mut state, &shaking, settled, u32::MAX, &mut ()).expect("runs");
-    explicit.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut meter).expect("runs");
+    explicit.advance(&scene, &mut state, &vibration, settled, u32::MAX, &mut ()).expect("runs");
+    explicit.advance(&scene, &mut state, &vibration, end, u32::MAX, &mut meter).expect("runs");
     let reach = meter.report().coordinate;
     // Forward to either side, backward into the middle from each.
     let passed: f64 =
@@ -237,16 +239,17 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
         draw,
     };
     let scene = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::TransferredCharge), single(storage), 0.3);
-    let shaking = sine::<f32>(0.2, 20.0);
+    let vibration = sine::<f32>(0.2, 20.0);
     let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive::<f32>(1e-4)) };
-    let mut state =
-        scene.start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control).expect("in bounds");
+    let mut state = scene
+        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
+        .expect("in bounds");
     assert!(!state.mode.connected);
     let mut toggles = 0;
     let end = Instant::from_whole_seconds(4);
     while state.clock < end {
         let before = state.mode.connected;
-        driver.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
+        driver.advance(&scene, &mut state, &vibration, end, u32::MAX, &mut ()).expect("runs");
         if state.mode.connected != before {
             toggles += 1;
             let level = if before { 2.0 } else { 3.0 };
@@ -290,17 +293,17 @@ fn a_storage_that_its_draw_empties_is_a_resistor_at_the_terminals() {
             draw: AnyDraw::Resistor(ResistiveDraw { resistance: number(ohms), lockout: None }),
         };
         let driver = Driver::new(ExponentialRadau, adaptive::<S>(tolerance));
-        let (shaking, seconds) = (sine::<S>(0.2, 20.0), 1.0);
+        let (vibration, seconds) = (sine::<S>(0.2, 20.0), 1.0);
         let scene = behind(pad::<S>(f64::INFINITY, law), emptied, 0.0);
         let mut meter = RunMeter::new();
-        run(&scene, &contact::Start::default(), &shaking, &driver, seconds, &mut meter);
+        run(&scene, &contact::Start::default(), &vibration, &driver, seconds, &mut meter);
         let bare = pad::<S>(ohms, law);
         let mut state = bare
-            .start::<_, _, WHOLE>(&contact::Start::default(), &shaking, &driver.control)
+            .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
             .expect("in bounds");
         let mut alone = RunMeter::new();
         let end = Instant::from_seconds(seconds).expect("in range");
-        driver.advance(&bare, &mut state, &shaking, end, u32::MAX, &mut alone).expect("runs");
+        driver.advance(&bare, &mut state, &vibration, end, u32::MAX, &mut alone).expect("runs");
         [meter.integrals().integral(PowerIndex::Draw), alone.integrals().integral(PowerIndex::Load)]
             .map(Scalar::to_f64)
     }

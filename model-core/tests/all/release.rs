@@ -21,12 +21,12 @@ const EXCESS: f64 = 5e-4;
 /// The phase in rad of the base at the first release.
 fn release(amplitude: f64, phase: f64, method: impl Method<f64>, control: AnyStepControl<f64>) -> f64 {
     let scene = slider::<f64>(f64::INFINITY);
-    let shaking = Sine::<f64>::new(amplitude, FREQUENCY, phase).expect("in bounds");
+    let vibration = Sine::<f64>::new(amplitude, FREQUENCY, phase).expect("in bounds");
     let driver = Driver { pause_at_events: true, ..Driver::new(method, control) };
     let mut state =
-        scene.start::<_, _, 0>(&sliding::Start::default(), &shaking, &control).expect("in bounds");
+        scene.start::<_, _, 0>(&sliding::Start::default(), &vibration, &control).expect("in bounds");
     let end = Instant::from_seconds(1.0 / FREQUENCY).expect("in range");
-    let advance = driver.advance(&scene, &mut state, &shaking, end, u32::MAX, &mut ()).expect("runs");
+    let advance = driver.advance(&scene, &mut state, &vibration, end, u32::MAX, &mut ()).expect("runs");
     assert_eq!(advance.ended, Ended::Event, "no release");
     phase + TAU * FREQUENCY * state.clock.seconds::<f64>()
 }

@@ -12,7 +12,7 @@ use host_bench::scene_file::modes::BumpStopModes;
 use host_bench::scene_file::{
     self, BumpStop, Burst, BurstShape, Excitation, ForceLaw, Model, Random, RunSpan, Scene, Sweep,
 };
-use host_bench::seeds::Spread;
+use host_bench::seeds::SampleStatistics;
 use nalgebra::Complex;
 
 /// The linear beam with some modes.
@@ -53,7 +53,7 @@ fn integral([low, high]: [f64; 2], level: f64, h: impl Fn(f64) -> Complex<f64>) 
 /// Asserts that a closed form is within the 95 % confidence interval of the mean over the seeds.
 #[track_caller]
 fn assert_within(what: &str, values: &[f64], exact: f64, widest: f64) {
-    let spread = Spread::of(values).expect("there are seeds");
+    let spread = SampleStatistics::of(values).expect("there are seeds");
     let [low, high] = [spread.confidence_low, spread.confidence_high].map(value);
     assert!(low < exact && exact < high, "{what}: {exact:e} is not from {low:e} to {high:e}");
     assert!(high - low < 2.0 * widest * exact, "{what}: from {low:e} to {high:e} is too wide for {exact:e}");

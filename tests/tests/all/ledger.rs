@@ -34,20 +34,20 @@ fn works(force_law: ForceLaw) -> [f64; 3] {
     let model = scene.contact_separation().expect("a contact-separation scene");
     let harvester =
         contact_separation_parameters::<f64, Polynomial>(model, scene.load).build().expect("in bounds");
-    let shaking = Sine::<f64>::new(1.962, 20.0, 0.0).expect("in bounds");
+    let vibration = Sine::<f64>::new(1.962, 20.0, 0.0).expect("in bounds");
     let simulation = Simulation::with_all_powers(
         harvester,
         TrBdf2,
         FixedStep::of_seconds(0.05 / 3200.0).expect("in bounds"),
     );
-    let mut state = simulation.start(&Start::default(), &shaking).expect("in bounds");
+    let mut state = simulation.start(&Start::default(), &vibration).expect("in bounds");
     let mut ledger = Ledger::open(&simulation.outputs(&state));
     let mut meter = RunMeter::new();
     let mut log = Impacts(0);
     let mut meters = (&mut ledger, &mut meter);
     let mut observer = (&mut meters, &mut log);
     let until = Instant::from_whole_seconds(6);
-    simulation.advance(&mut state, &shaking, until, u32::MAX, &mut observer).expect("runs");
+    simulation.advance(&mut state, &vibration, until, u32::MAX, &mut observer).expect("runs");
     assert_eq!(log.0, meter.report().impacts);
     let charge_moved = meter.integrals().integral(PowerIndex::CurrentMagnitude);
     assert!(charge_moved > 0.0 && value(ledger.residual().largest()) < 1e-6);

@@ -11,10 +11,10 @@ const PARTS: [Part; 2] = [Part::Nrf52832, Part::Stm32l051];
 
 #[test]
 fn the_shipped_day_has_its_shaking_and_the_first_minutes_of_some_hours_by_the_full_model() {
-    let shaking = day::shaking();
-    assert!(DAY.iter().map(|minute| minute.lines).eq(shaking.iter().copied()));
+    let vibration = day::vibration();
+    assert!(DAY.iter().map(|minute| minute.lines).eq(vibration.iter().copied()));
     for (hour, minutes) in [(5, 6), (8, 6), (17, 6)] {
-        let energies = day::energies(&shaking, hour, minutes).expect("can be stepped");
+        let energies = day::energies(&vibration, hour, minutes).expect("can be stepped");
         let shipped: Vec<u32> =
             DAY.iter().skip(60 * hour).take(minutes).map(|minute| minute.energy).collect();
         assert_eq!(energies, shipped, "{hour}");
@@ -47,14 +47,14 @@ fn the_node_of_either_part_knows_the_income_of_a_harvester_that_is_off_for_a_hun
         let state = last_state(&day);
         assert!(state.second >= SECONDS && state.income == income(), "{state:?}");
         let truth = 1e-12 * state.income as f64;
-        let off = (f64::from(state.told.energy) - truth).abs();
-        assert!(off < 0.02 * truth && off < f64::from(state.told.bound), "{state:?}");
-        assert!(f64::from(state.knowing) < 0.01 * truth, "{state:?}");
+        let off = (f64::from(state.estimated.energy) - truth).abs();
+        assert!(off < 0.02 * truth && off < f64::from(state.estimated.bound), "{state:?}");
+        assert!(f64::from(state.estimation) < 0.01 * truth, "{state:?}");
         assert!(state.ran.iter().all(|&ran| ran > 50), "{state:?}");
         assert!(calls(&day, Work::Burst).calls > 10, "{part:?}");
         // The hours are the day, up to what a later reading tells of it.
         let hours = day.entries.iter().filter_map(|entry| match entry {
-            Entry::Hour(hour) => Some((f64::from(hour.told.energy), hour.income)),
+            Entry::Hour(hour) => Some((f64::from(hour.estimated.energy), hour.income)),
             _ => None,
         });
         let (told, came) = hours.fold((0.0, 0), |(told, came), hour| (told + hour.0, came + hour.1));

@@ -12,8 +12,8 @@ mod years;
 
 use harvester_scene::market::Processor;
 use host_bench::simulated_node::{
-    Came, Course, Errors, Hour, Kind, Name, Off, OneNode, Parts, Settings, Setup, Shaking, Source, Storage,
-    Timeline, Weather, World, tone,
+    Course, Deviation, Errors, Hour, Kind, Name, OneNode, Parts, Settings, Setup, Source, Storage, Timeline,
+    Totals, Vibration, VibrationKind, World, tone,
 };
 use model_core::snapshot::{self, image_size};
 
@@ -47,7 +47,7 @@ fn capacitor(capacitance: f64, of_capacitance: f64) -> Storage {
 fn hours_of_a_small_storage_are_known_for_a_hundredth_of_the_income() {
     let line = random_hours(Kind::ContactSeparation, true, 4, 3);
     let settings = Settings::new(line.kind, part("nrf52832"), 1e-3, 0.01).scaled(&line.minutes);
-    let (mut node, place) = (settings.map(), (&line.minutes[..], &line.shaking[..]));
+    let (mut node, place) = (settings.map(), (&line.minutes[..], &line.vibration[..]));
     let run = World::new(&settings, place, off_by(0.01, 5), 5).run(&mut node, |_| {});
     assert!(run.share < 0.01 && run.lock_outs == 0 && run.actions > 10, "{} {}", run.share, run.actions);
     assert_eq!(run.hours.len(), 4);
@@ -59,7 +59,7 @@ fn hours_of_a_small_storage_are_known_for_a_hundredth_of_the_income() {
         assert!(hour.bound < 0.1 * run.hours.iter().map(|hour| hour.truth).sum::<f64>() / 4.0, "{hour:?}");
     }
     // The hours and the whole are the same income, up to what was heard later.
-    let told: f64 = run.hours.iter().map(|hour| hour.told).sum();
+    let told: f64 = run.hours.iter().map(|hour| hour.estimated).sum();
     let all = node.node.overall(&node.state);
     assert!((f64::from(all.energy) / told - 1.0).abs() < 0.02, "{all:?} {told}");
 }
@@ -70,7 +70,7 @@ fn a_node_that_is_restored_from_its_image_after_each_sleep_ends_with_the_same_bi
     let settings = Settings::new(line.kind, part("nrf52832"), 1e-3, 0.2).scaled(&line.minutes);
     let world = || {
         let parts = Parts { standing: 1.1, ..Parts::AS_STATED };
-        World::new(&settings, (&line.minutes, &line.shaking), parts, 9)
+        World::new(&settings, (&line.minutes, &line.vibration), parts, 9)
     };
     let (mut node, mut other) = (settings.map(), settings.map());
     let whole = world().run(&mut node, |_| {});
@@ -130,7 +130,12 @@ fn random_hours_of_three_harvesters() {
 }
 
 /// Prints a row of a strategy: its errors in the hours that are `paired`, and what it came to in all.
-fn print_row(setup: &Setup, name: Name, came: &Came, is_paired: impl Fn(&[usize; 3]) -> bool) -> [Errors; 2] {
+fn print_row(
+    setup: &Setup,
+    name: Name,
+    came: &Totals,
+    is_paired: impl Fn(&[usize; 3]) -> bool,
+) -> [Errors; 2] {
     let paired = came.hours.iter().filter(|(place, _)| is_paired(place)).map(|(_, hour)| hour);
     let (errors, all) = (Errors::of(paired), Errors::of(came.hours.values()));
     println!(
@@ -171,8 +176,8 @@ fn compare(setup: &Setup, lines: &[Timeline], most: f64) {
     assert!(all.inside >= 0.95 && by_voltage.inside >= 0.95 && by_voltage.hours > 0);
     assert!(all_of_map.inside >= 0.95 && of_map.inside >= 0.95);
     assert!(by_voltage.median <= most * by_difference.median, "{by_voltage:?} {by_difference:?}");
-    let is_told = all.hours == all_of_map.hours && voltage.shunted == 0.0;
-    assert!(!is_told || by_map.share <= 1.3 * voltage.share, "{} {}", by_map.share, voltage.share);
+    let is_stated = all.hours == all_of_map.hours && voltage.shunted == 0.0;
+    assert!(!is_stated || by_map.share <= 1.3 * voltage.share, "{} {}", by_map.share, voltage.share);
     assert!(by_voltage.bound <= 1.06 * by_difference.bound);
     // What is stored at the end is up to an action more or less.
     assert!(voltage.actions + voltage.runs >= difference.actions);
@@ -222,18 +227,18 @@ fn row(
     capacitance: f64,
     spread: f64,
     as_designed: bool,
-) -> (f64, Vec<(Weather, Hour)>) {
+) -> (f64, Vec<(VibrationKind, Hour)>) {
     let (mut shares, mut hours, mut lock_outs) = (Vec::new(), Vec::new(), 0);
     for (number, line) in lines.iter().enumerate().filter(|(_, line)| line.as_designed == as_designed) {
         for noise in 0..NOISES {
             let seed = number as u64 + 1000 * noise;
             let settings = Settings::new(line.kind, *processor, capacitance, spread).scaled(&line.minutes);
-            let world = World::new(&settings, (&line.minutes, &line.shaking), off_by(spread, seed), seed);
+            let world = World::new(&settings, (&line.minutes, &line.vibration), off_by(spread, seed), seed);
             let run = world.run(&mut settings.map(), |_| {});
             shares.push(run.share);
             lock_outs += run.lock_outs;
-            let last = line.weathers.len() - 1;
-            hours.extend(run.hours.iter().map(|hour| (line.weathers[hour.index.min(last)], *hour)));
+            let last = line.hour_kinds.len() - 1;
+            hours.extend(run.hours.iter().map(|hour| (line.hour_kinds[hour.index.min(last)], *hour)));
         }
     }
     let share = shares.iter().sum::<f64>() / shares.len() as f64;
@@ -260,11 +265,11 @@ fn row(
 }
 
 /// Prints the errors by what shook the harvester.
-fn by_weather(hours: &[(Weather, Hour)]) {
-    for weather in Weather::RANDOM {
-        let of = Errors::of(hours.iter().filter(|(at, _)| *at == weather).map(|(_, hour)| hour));
+fn by_weather(hours: &[(VibrationKind, Hour)]) {
+    for vibration_kind in VibrationKind::RANDOM {
+        let of = Errors::of(hours.iter().filter(|(at, _)| *at == vibration_kind).map(|(_, hour)| hour));
         println!(
-            "| {weather:?} | {} | {:.1} % | {:.2} % | {:.1} % |",
+            "| {vibration_kind:?} | {} | {:.1} % | {:.2} % | {:.1} % |",
             of.hours,
             100.0 * of.inside,
             100.0 * of.median,
@@ -282,13 +287,14 @@ fn a_week_of_the_larger_harvester_costs_less_than_a_hundredth_and_never_locks_ou
     ];
     let kind = Kind::ContactSeparation;
     let mut random = Source::of_seed(11);
-    let hours: Vec<Shaking> = (0..7 * 24)
+    let hours: Vec<Vibration> = (0..7 * 24)
         .map(|hour| tone(1.962 * day[hour % 24], 20.5 + 0.2 * (random.uniform(0.0, 1.0) - 0.5)))
         .collect();
-    let short: Vec<Shaking> = hours.iter().flat_map(|shaking| [shaking.clone(), shaking.clone()]).collect();
-    let energies = kind.minutes(&short, |_| Off::NONE).expect("steps");
+    let short: Vec<Vibration> =
+        hours.iter().flat_map(|vibration| [vibration.clone(), vibration.clone()]).collect();
+    let energies = kind.minutes(&short, |_| Deviation::NONE).expect("steps");
     let minutes: Vec<f64> = (0..60 * hours.len()).map(|minute| energies[2 * (minute / 60) + 1]).collect();
-    let shaking: Vec<Shaking> = (0..60 * hours.len()).map(|minute| hours[minute / 60].clone()).collect();
+    let vibration: Vec<Vibration> = (0..60 * hours.len()).map(|minute| hours[minute / 60].clone()).collect();
     let income = minutes.iter().sum::<f64>() / (60.0 * minutes.len() as f64);
     for processor in ["nrf52832", "stm32l051", "apollo3"].map(part) {
         let settings = Settings {
@@ -303,7 +309,7 @@ fn a_week_of_the_larger_harvester_costs_less_than_a_hundredth_and_never_locks_ou
             ..Settings::new(kind, processor, 0.2, 0.2)
         };
         let (mut node, parts) = (settings.map(), Parts { standing: 1.1, action: 0.98, ..Parts::AS_STATED });
-        let run = World::new(&settings, (&minutes, &shaking), parts, 1).run(&mut node, |_| {});
+        let run = World::new(&settings, (&minutes, &vibration), parts, 1).run(&mut node, |_| {});
         let errors = Errors::of(run.hours.iter().filter(|hour| hour.truth > 1e-6 * 3600.0));
         println!(
             "{}: {income:.3e} W, {:.3} % on knowing, {} actions, {:.1} % shunted, {} readings, {} bursts, hours: \

@@ -7,8 +7,8 @@ use firmware_example::workload::response_map::contact_separation::{FINGERPRINT, 
 use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
 use model_core::excitation::LineBank;
 use model_core::node::{
-    Board, Bursts, Converter, Fault, Finding, Gap, IncomeOfTime, MapNode, MapParameters, MapState, NodeError,
-    Regular, Runner, SaveError, Sensor, Step, Tier, Tolerances, VoltageParameters,
+    Board, Bursts, Converter, Fault, Finding, IncomeOfTime, MapNode, MapParameters, MapState, NodeError,
+    Outage, Regular, Runner, SaveError, Sensor, Step, Tier, Tolerances, VoltageParameters,
 };
 use model_core::snapshot::SnapshotError;
 
@@ -83,7 +83,7 @@ struct Bench {
     second: u32,
     energy: f64,
     /// Amplitude of the vibration in m/s².
-    shaking: f64,
+    vibration: f64,
     /// Energies of the actions in J at the load.
     actions: [f64; 2],
     /// Samples in the FIFO, and since the sensor was switched on, and when that was.
@@ -103,7 +103,7 @@ impl Bench {
         Self {
             second: 0,
             energy: 4.5e-3,
-            shaking: 0.2,
+            vibration: 0.2,
             actions: ACTIONS,
             samples: 0,
             taken: 0,
@@ -166,7 +166,7 @@ impl Board for Bench {
         let count = samples.len().min(self.samples as usize);
         for (n, sample) in samples[..count].iter_mut().enumerate() {
             let turns = 19.7 * f64::from(self.taken - self.samples + n as u32) / f64::from(RATE);
-            *sample = (1024.0 + self.shaking / f64::from(UNIT) * (std::f64::consts::TAU * turns).sin())
+            *sample = (1024.0 + self.vibration / f64::from(UNIT) * (std::f64::consts::TAU * turns).sin())
                 .round() as i16;
         }
         self.samples -= count as u32;
@@ -205,7 +205,7 @@ fn resumed(mut board: Bench) -> OneRunner {
     let second = board.second;
     let mut runner = OneRunner::new(board, node(), second);
     let mut buffer = [0; SLOT_BYTES];
-    runner.resume(&mut buffer, Gap::OnUntil(second)).expect("an image");
+    runner.resume(&mut buffer, Outage::OnUntil(second)).expect("an image");
     runner
 }
 
@@ -280,7 +280,7 @@ fn a_write_that_is_torn_at_any_byte_leaves_the_image_before_it() {
     // Without any image there is nothing to continue, and the node begins.
     let mut runner = OneRunner::new(Bench::new(), node(), 0);
     let mut buffer = [0; SLOT_BYTES];
-    assert_eq!(runner.resume(&mut buffer, Gap::OffUntil(0)), Err(SnapshotError::NotASnapshot));
+    assert_eq!(runner.resume(&mut buffer, Outage::OffUntil(0)), Err(SnapshotError::NotASnapshot));
     assert_eq!(OneNode::second(runner.state()), 0);
 }
 
@@ -291,7 +291,7 @@ fn a_sensor_that_fails_costs_no_more_than_its_bursts_and_the_storage_tells_the_i
         assert!(!matches!(runner.step(), Step::Burst(_)));
     }
     assert_inside(runner.state().last_hour().expect("hours"));
-    let spent = f64::from(node().spent_on_knowing(runner.state()));
+    let spent = f64::from(node().spent_on_estimation(runner.state()));
     assert!(runner.state().bursts() > 5 && spent < 0.01 * POWER * 43_200.0, "{spent}");
 }
 
@@ -345,7 +345,7 @@ fn what_was_learnt_survives_an_update_of_all_but_map_bank_and_storage() {
         change(&mut parameters);
         let node = built(parameters, RATE, 20.13).expect("valid");
         let mut runner = OneRunner::new(board.clone(), Box::leak(Box::new(node)), board.second);
-        runner.resume(&mut [0; SLOT_BYTES], Gap::OnUntil(board.second))
+        runner.resume(&mut [0; SLOT_BYTES], Outage::OnUntil(board.second))
     };
     let changes: [fn(&mut MapParameters<2>); 9] = [
         |of| of.voltage.reserve *= 1.01,

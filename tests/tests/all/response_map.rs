@@ -3,7 +3,7 @@
 use cross_crate_tests::contact_separation;
 use firmware_example::workload::contact_separation::loaded;
 use firmware_example::workload::response_map::contact_separation::{FINGERPRINT, MAP};
-use host_bench::embedded::{self, with_held};
+use host_bench::embedded::{self, with_continuation};
 use host_bench::map::{Request, Step, map};
 use host_bench::method::Options;
 use model_core::energy::response_map::{Branch, MapError};
@@ -35,15 +35,16 @@ fn the_map_tells_what_the_full_model_yields_on_both_ways() {
     // Below the resonance without impacts, at it with impacts, above it both.
     let places = [(0.3, 18.5), (1.5, 19.45), (1.2, 20.6)];
     for (amplitude, frequency) in places {
-        let [rising, falling] = with_held(&scene, f64::from(frequency), &Options::default(), |held| {
-            held.settle(0.5 * f64::from(amplitude))?;
-            let rising = held.settle(f64::from(amplitude))?;
-            for larger in [8.0, 4.0, 2.0, 1.4, 1.2, 1.1] {
-                held.settle(larger * f64::from(amplitude))?;
-            }
-            Ok([rising, held.settle(f64::from(amplitude))?])
-        })
-        .expect("steady motions");
+        let [rising, falling] =
+            with_continuation(&scene, f64::from(frequency), &Options::default(), |held| {
+                held.settle(0.5 * f64::from(amplitude))?;
+                let rising = held.settle(f64::from(amplitude))?;
+                for larger in [8.0, 4.0, 2.0, 1.4, 1.2, 1.1] {
+                    held.settle(larger * f64::from(amplitude))?;
+                }
+                Ok([rising, held.settle(f64::from(amplitude))?])
+            })
+            .expect("steady motions");
         let within = |income: model_core::energy::response_map::Bounded, value: f64| {
             let (low, high) = (f64::from(income.low), f64::from(income.high));
             assert!((low..=high).contains(&value), "{amplitude} {frequency}: {income:?} {value}");

@@ -42,16 +42,16 @@ where
 {
     let harvester = parameters.build().expect("in bounds");
     let [acceleration, frequency] = [case.acceleration, case.frequency].map(S::from_f64);
-    let shaking = Sine::<S, Polynomial>::new(acceleration, frequency, S::ZERO).expect("in bounds");
+    let vibration = Sine::<S, Polynomial>::new(acceleration, frequency, S::ZERO).expect("in bounds");
     let driver = Driver::new(integrator, control);
     let velocity = (case.velocity != 0.0).then(|| S::from_f64(case.velocity));
     let start = Start { velocity, ..Start::default() };
-    let mut state = harvester.start::<_, _, 1>(&start, &shaking, &driver.control).expect("in bounds");
+    let mut state = harvester.start::<_, _, 1>(&start, &vibration, &driver.control).expect("in bounds");
     let mut stuck = false;
     let states = (1..=100)
         .map(|hundredth| {
             let until = Instant::from_seconds(f64::from(hundredth) * 0.01).expect("a time");
-            driver.advance(&harvester, &mut state, &shaking, until, u32::MAX, &mut ()).expect("runs");
+            driver.advance(&harvester, &mut state, &vibration, until, u32::MAX, &mut ()).expect("runs");
             stuck |= state.mode == Mode::Stick;
             // Every single-precision number is a double-precision one: nothing is lost of the bits.
             state.point.state.map(S::to_f64)

@@ -4,7 +4,7 @@
 use core::cell::UnsafeCell;
 use core::hint::black_box;
 
-use model_core::node::{Gap, Task, Tier, VoltageNode, Wake};
+use model_core::node::{Outage, Task, Tier, VoltageNode, Wake};
 use model_core::snapshot::{image_size, newest_image, save_image};
 
 use super::{BY_VOLTAGE, PAGE, Register, Registers, run};
@@ -124,12 +124,12 @@ impl Parts {
         if axis == 2 && is_high {
             self.taken += 1;
         }
-        let shaking = if (self.second() / 21_600).is_multiple_of(2) {
+        let vibration = if (self.second() / 21_600).is_multiple_of(2) {
             if count % 5 < 3 { 30 } else { -45 }
         } else {
             (count.wrapping_mul(2_654_435_769) >> 26) as i32 - 32
         };
-        let value = if axis == 2 { 1000 + shaking } else { 0 };
+        let value = if axis == 2 { 1000 + vibration } else { 0 };
         let entry = (axis << 14) as u16 | (value as u16 & 0x3FFF);
         let [low, high] = entry.to_le_bytes();
         if is_high { high } else { low }
@@ -249,7 +249,7 @@ fn calls<N: Tier<State: Copy>, const IMAGE: usize>(node: &N, stack: u32) {
     boot.time(counter, || {
         let resumed = newest_image(node, [&bytes, &bytes]);
         state = resumed.map_or(node.start(second), |image| image.state);
-        wake = node.wake_after(&mut state, Gap::OnUntil(second), None);
+        wake = node.wake_after(&mut state, Outage::OnUntil(second), None);
     });
     for (name, of) in [
         ("boot", boot),

@@ -19,7 +19,7 @@ use model_core::scene::bump_stop::{
 
 use super::excitation::{HostExcitation, Setting, bridge};
 use super::limits::{Clamp, Gauge, MOST_MODES, limits};
-use super::report::{Found, Report, dense, dense_voltage};
+use super::report::{Report, RunSummary, dense, dense_voltage};
 use super::run::{Run, refuse_parameter, refuse_start};
 use harvester_scene::method::{Failure, Options};
 use harvester_scene::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, with_store};
@@ -244,7 +244,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
     fn particular(
         &self,
         harvester: &Stepper<S, P, B, R, ALL>,
-        found: &Found<'_, S>,
+        found: &RunSummary<'_, S>,
         end: &StateOf<S, P, B, R>,
     ) -> Particular {
         let window = found.window;

@@ -15,7 +15,7 @@ use model_core::scene::contact_separation::{
 };
 
 use super::limits::{Gauge, UNUSED, limits};
-use super::report::{Found, dense, dense_voltage};
+use super::report::{RunSummary, dense, dense_voltage};
 use super::run::refuse_parameter;
 use super::triboelectric::{PARTS, STATES, Triboelectric, explicit_step_into, unit_of_charge};
 use harvester_scene::method::Failure;
@@ -138,7 +138,7 @@ impl Triboelectric for ContactSeparation {
     fn particular<S: Scalar>(
         &self,
         _harvester: &impl model_core::scene::Harvester<S>,
-        found: &Found<'_, S>,
+        found: &RunSummary<'_, S>,
     ) -> Particular {
         let window = found.window;
         let number = |value: S| Some(value.to_f64());

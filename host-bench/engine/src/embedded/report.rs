@@ -39,13 +39,13 @@ pub(super) trait Report<S: Scalar, H: Harvester<S>> {
     fn gauge<'a>(&'a self, setting: Setting<'a, S>) -> Gauge<'a, S>;
 
     /// The numbers that only this kind of scene has.
-    fn particular(&self, harvester: &H, found: &Found<'_, S>, end: &H::State) -> Particular;
+    fn particular(&self, harvester: &H, found: &RunSummary<'_, S>, end: &H::State) -> Particular;
 
     fn describe(&self, outputs: &Outputs<'_, S>) -> String;
 }
 
 /// What a run found, for the scene to make its own numbers of.
-pub(super) struct Found<'a, S: Scalar> {
+pub(super) struct RunSummary<'a, S: Scalar> {
     /// The measuring window.
     pub(super) window: &'a RunMeter<S>,
     /// Time of the first contact or impact of the whole run.

@@ -12,7 +12,7 @@ use model_core::scene::Harvester;
 
 use super::excitation::Setting;
 use super::limits::{Clamp, Compared};
-use super::report::{Blocks, Found, Recorder, Report};
+use super::report::{Blocks, Recorder, Report, RunSummary};
 use super::{DEFAULT_TOLERANCE, auto, precision_name};
 use crate::steady_state::{Total, given_up};
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
@@ -39,7 +39,7 @@ pub(super) fn ends_of(scene: &Scene, span: &RunSpan) -> Result<[Instant; 2], Fai
     Ok([instant(span.settle_s)?, instant(span.duration_s)?])
 }
 
-/// The shortest step for which the explicit method is run without being told to.
+/// The shortest step for which the explicit method is run without an option that asks for it.
 const SHORTEST_EXPLICIT_STEP_S: f64 = 1e-7;
 
 /// Steps of one length in s, for the option `name`.
@@ -269,7 +269,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         let Self { setting: Setting { scene, math, .. }, harvester, report, .. } = *self;
         let number = |value: S| Some(value.to_f64());
         let window = &meters.window;
-        let found = Found {
+        let found = RunSummary {
             window,
             first_contact: meters.whole.as_ref().and_then(|(_, meter)| meter.report().first_contact),
             periods: scene.excitation.single_frequency().map(|frequency| frequency * span.window_s()),

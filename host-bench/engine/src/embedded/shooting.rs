@@ -167,8 +167,9 @@ fn reached<H: Coordinates, R: Report<f64, H>>(
     let forced = forced(run.harvester, &run.setting);
     let began = ThreadTime::now();
     let mut spent = Spent::default();
-    let verdict =
-        forced.steady_state(start, typical, &mut spent).map_err(|failure| told(run, failure, &start))?;
+    let verdict = forced
+        .steady_state(start, typical, &mut spent)
+        .map_err(|failure| with_message(run, failure, &start))?;
     let (mut outcome, end) = described(run, start, &verdict, &spent)?;
     outcome.processor_s = began.elapsed().as_secs_f64();
     let motion = match verdict {
@@ -268,7 +269,7 @@ fn described<H: Coordinates, R: Report<f64, H>>(
 }
 
 /// The failure of a search; of a step that cannot be taken, with the state at the start.
-fn told<H: Coordinates, R: Report<f64, H>>(
+fn with_message<H: Coordinates, R: Report<f64, H>>(
     run: &Run<'_, f64, H, R>,
     failure: Failure,
     start: &H::State,
@@ -303,5 +304,5 @@ fn follow<H: Coordinates, R: Report<f64, H>>(
     spent: &mut Spent,
 ) -> Result<Option<Response>, Failure> {
     let found = forced(run.harvester, &run.setting).followed(known, start, typical, spent);
-    found.map_err(|failure| told(run, failure, &start))
+    found.map_err(|failure| with_message(run, failure, &start))
 }

@@ -12,7 +12,7 @@ use model_core::scene::sliding::{
 
 use super::contact_separation::{force_law, sticking};
 use super::limits::{Gauge, UNUSED, limits};
-use super::report::{Found, dense};
+use super::report::{RunSummary, dense};
 use super::run::refuse_parameter;
 use super::triboelectric::{PARTS, STATES, Triboelectric, explicit_step_into, unit_of_charge};
 use harvester_scene::method::Failure;
@@ -111,7 +111,7 @@ impl Triboelectric for Sliding {
     fn particular<S: Scalar>(
         &self,
         harvester: &impl model_core::scene::Harvester<S>,
-        found: &Found<'_, S>,
+        found: &RunSummary<'_, S>,
     ) -> Particular {
         let window = found.window;
         let number = |value: S| Some(value.to_f64());

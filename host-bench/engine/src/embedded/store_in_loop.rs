@@ -116,7 +116,7 @@ impl Midnight<'_> {
             let daily = Daily { base: setting.excitation, factors: self.hours.map(S::from_f64) };
             let mut state =
                 core.start(&model.start(), &daily, &control).map_err(|error| refuse_start(scene, &error))?;
-            // Between the thresholds the voltage alone does not tell.
+            // Between the thresholds the voltage alone does not determine the state of the switch.
             state.mode.connected = self.is_connected;
             with(&mut Loop { scene, core, daily, control, state })
         })

@@ -14,7 +14,7 @@ use model_core::scene::{Harvester, Scene as CoreScene, Simulation};
 use super::excitation::{Setting, bridge};
 use super::limits::Gauge;
 use super::method_name;
-use super::report::{Found, Report, dense, dense_voltage};
+use super::report::{Report, RunSummary, dense, dense_voltage};
 use super::run::{Run, refuse_start, step_control};
 use harvester_scene::method::{Failure, Method};
 use harvester_scene::outcome::{Outcome, Particular, with_store};
@@ -55,7 +55,7 @@ pub(super) trait Triboelectric {
     fn gauge<'a, S: Scalar>(&'a self, scene: &'a Scene) -> Gauge<'a, S>;
 
     /// The numbers that only this kind of scene has.
-    fn particular<S: Scalar>(&self, harvester: &impl Harvester<S>, found: &Found<'_, S>) -> Particular;
+    fn particular<S: Scalar>(&self, harvester: &impl Harvester<S>, found: &RunSummary<'_, S>) -> Particular;
 }
 
 impl<S: Scalar, H: Harvester<S>, T: Triboelectric> Report<S, H> for T {
@@ -80,7 +80,7 @@ impl<S: Scalar, H: Harvester<S>, T: Triboelectric> Report<S, H> for T {
         Triboelectric::gauge(self, setting.scene)
     }
 
-    fn particular(&self, harvester: &H, found: &Found<'_, S>, _end: &H::State) -> Particular {
+    fn particular(&self, harvester: &H, found: &RunSummary<'_, S>, _end: &H::State) -> Particular {
         Triboelectric::particular(self, harvester, found)
     }
 

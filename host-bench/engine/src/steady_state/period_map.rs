@@ -178,7 +178,7 @@ pub(super) struct Watch {
 #[derive(Debug)]
 struct Stretch {
     /// Whether the mass sticks, or beam and stop touch.
-    held: bool,
+    in_contact: bool,
     from: u64,
     to: u64,
 }
@@ -199,7 +199,8 @@ impl Watch {
     /// such a stretch; 0 for a motion without events.
     pub(super) fn calmest(&self) -> u64 {
         let [first, _, ..] = &self.stretches[..] else { return 0 };
-        let longest = self.stretches.iter().max_by_key(|stretch| (!stretch.held, stretch.to - stretch.from));
+        let longest =
+            self.stretches.iter().max_by_key(|stretch| (!stretch.in_contact, stretch.to - stretch.from));
         longest.map_or(0, |stretch| stretch.from.midpoint(stretch.to) - first.from)
     }
 
@@ -217,10 +218,10 @@ impl Watch {
 impl Observer<f64> for Watch {
     fn step(&mut self, step: &AcceptedStep<'_, f64>) {
         let (from, to) = (step.from.ticks(), step.until().ticks());
-        let held = step.start.stick || step.contact.peak_force > 0.0;
+        let in_contact = step.start.stick || step.contact.peak_force > 0.0;
         match self.stretches.last_mut() {
-            Some(stretch) if !self.event && stretch.held == held => stretch.to = to,
-            _ => self.stretches.push(Stretch { held, from, to }),
+            Some(stretch) if !self.event && stretch.in_contact == in_contact => stretch.to = to,
+            _ => self.stretches.push(Stretch { in_contact, from, to }),
         }
         self.event = false;
         if self.reads_state {

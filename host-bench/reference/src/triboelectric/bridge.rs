@@ -336,7 +336,7 @@ impl<'a> SwitchSearch<'a> {
 }
 
 /// The event of the motion, unless the bridge switches clearly before it. The current stops with the motion: of
-/// two events that only rounding tells apart, the one of the motion counts.
+/// two events that differ by rounding only, the one of the motion counts.
 pub(crate) fn earlier<E>(motion: Option<(f64, E)>, switch: Option<(f64, E)>, step: f64) -> Option<(f64, E)> {
     const TOGETHER: f64 = 1e-9;
     match (motion, switch) {

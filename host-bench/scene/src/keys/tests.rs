@@ -140,7 +140,7 @@ const KINDS: [(&str, &[&str]); 28] = [
         &[
             "node.standing_power_w=1e-6",
             "node.parts.clock=own",
-            "node.listen.code=filter",
+            "node.burst.code=filter",
             "node.actions=[{name='one', energy_j=1e-6, duration_s=1, every_s=60, packet_bytes=9, adc_readings=2, instructions=9}]",
         ],
     ),

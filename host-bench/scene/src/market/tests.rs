@@ -1,4 +1,4 @@
-//! Parts, and the energy of knowing the income.
+//! Parts, and the energy of estimating the income.
 
 use super::*;
 
@@ -27,7 +27,7 @@ fn a_burst_costs_what_its_parts_cost() {
 }
 
 #[test]
-fn a_listen_pays_for_the_start_up_and_wakes_up_once_for_each_filling_of_the_fifo() {
+fn a_burst_pays_for_the_start_up_and_wakes_up_once_for_each_filling_of_the_fifo() {
     let model = model("stm32l051", "lis2dh12");
     let wake_up = model.processor.wake_up_energy();
     assert!(near(wake_up, 264e-12 * 32e6 * 5e-6), "{wake_up}");
@@ -153,11 +153,11 @@ fn each_word_names_one_part() {
 }
 
 #[test]
-fn a_listen_behind_a_gated_supply_pays_for_its_start_and_for_waiting() {
+fn a_burst_behind_a_gated_supply_pays_for_its_start_and_for_waiting() {
     let sleeping = model("nrf52832", "lis2dh12");
     let gated = sleeping.gated_by(clock("ab18x5-crystal"));
-    let listen = |model: &CostModel| model.burst(64, 400.0, 1e4, Code::Filter).expect("a rate of the sensor");
-    let (one, other) = (listen(&sleeping), listen(&gated));
+    let burst = |model: &CostModel| model.burst(64, 400.0, 1e4, Code::Filter).expect("a rate of the sensor");
+    let (one, other) = (burst(&sleeping), burst(&gated));
     // 1 µF charged to 3 V, and 2 ms at 64 MHz and 174 pJ a cycle.
     assert!(near(gated.start_energy(), 1e-6 * 9.0 + 2e-3 * 64e6 * 174e-12));
     // Two fillings of the FIFO: the second is a wake-up from sleep.
@@ -208,16 +208,16 @@ fn the_hard_case_lives_behind_a_gated_supply_only() {
         ("apollo3", f64::from(samples) * 13.0 + 587.0),
     ];
     println!(
-        "| part | supply | standing | of the income | listen | each | knowing | left for actions | a packet of 20 bytes each |"
+        "| part | supply | standing | of the income | a burst | each | estimation | left for actions | a packet of 20 bytes each |"
     );
     for (processor, instructions) in parts {
         let own = model(processor, "adxl362");
         let left = [("on", own), ("gated", own.gated_by(clock("ab18x5-crystal")))].map(|(supply, model)| {
             let standing = model.standing_power().expect("known");
-            let listen =
+            let burst =
                 model.burst(samples, 400.0, instructions, Code::Filter).expect("a rate of the sensor");
             let reading = model.adc.reading_j.0;
-            let knowing = listen.total() + reading;
+            let knowing = burst.total() + reading;
             let interval = knowing / (0.01 * income);
             let left = income - standing - 0.01 * income;
             let packet = Radio::named("nrf52832-0-dbm").expect("a part").packet(20).expect("fits")

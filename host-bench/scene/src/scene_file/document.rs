@@ -1,6 +1,7 @@
 //! A TOML document as a tree that remembers the line of every value, with overrides put into it.
 
 use std::fmt;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use toml::Spanned;
@@ -12,6 +13,8 @@ use super::overrides::{Override, alternatives};
 use crate::input::{MOST_OF_SCENE, read};
 use crate::name::Name;
 
+/// Table, old name and new name of the keys that version 0.2 renamed.
+const OLD_KEYS: [[&str; 3]; 1] = [["node", "listen", "burst"]];
 /// Longest value that a message repeats in full.
 const SHOWN: usize = 60;
 
@@ -155,10 +158,29 @@ impl Document {
             fault(Some(line), "is not UTF-8 text".to_owned())
         })?;
         let mut document = Self::parse(file, &text)?;
+        document.rename_old_keys();
         for change in overrides {
             document.put(change)?;
         }
         Ok(document)
+    }
+
+    /// Renames the keys of version 0.1 of a file, with a line on standard error for each.
+    fn rename_old_keys(&mut self) {
+        for [table, old, new] in OLD_KEYS {
+            let Content::Table(root) = &mut self.content else { return };
+            let within = root.iter_mut().find(|(name, _)| name == table).map(|(_, node)| &mut node.content);
+            let Some(Content::Table(entries)) = within else { continue };
+            if !entries.iter().any(|(name, _)| name == new)
+                && let Some((name, _)) = entries.iter_mut().find(|(name, _)| name == old)
+            {
+                new.clone_into(name);
+                let file = Name::new(self.file.display().to_string()).line();
+                // Without a standard error nothing can be printed.
+                let _ =
+                    writeln!(std::io::stderr(), "warning: {file}: {table}.{old} is now named {table}.{new}");
+            }
+        }
     }
 
     /// The tree of a text; `file` is blamed.

@@ -9,7 +9,7 @@ use super::bounds::{CoreTable, between};
 use super::document::SceneError;
 use super::key::{Table, Value, core, number, other, whole};
 use super::load::{PRESET, preset};
-use super::scene::{Action, Draw, HOURS, Knowing, Load, Node, Storage};
+use super::scene::{Action, Draw, EstimationCost, HOURS, Load, Node, Storage};
 use super::section::Section;
 use crate::market::{Battery, Preset};
 
@@ -44,13 +44,9 @@ pub(super) static TABLE: Table = Table::of(&[
     other("day", Value::Table(&DAY_TABLE), "How the excitation changes over the day").or_said("it does not"),
     other("parts", Value::Table(&parts::PARTS), "Named parts, whose energies come from their figures")
         .or_said("none"),
-    other(
-        "listen",
-        Value::Table(&parts::LISTEN),
-        "A burst of samples, the accelerometer off before and after",
-    )
-    .limit("needs `parts`")
-    .or_said("none"),
+    other("burst", Value::Table(&parts::BURST), "A burst of samples, the accelerometer off before and after")
+        .limit("needs `parts`")
+        .or_said("none"),
     other(
         "voltage_reading",
         Value::Table(&parts::READING),
@@ -104,7 +100,7 @@ static DAY_TABLE: Table = Table::of(&[other(
 .unit("1")]);
 
 static ACTIONS: Table = Table::of(&[
-    other("name", Value::Text, "Its name").limit("unique, not empty, not `listen` or `voltage_reading`"),
+    other("name", Value::Text, "Its name").limit("unique, not empty, not `burst` or `voltage_reading`"),
     number("energy_j", "J", between(1e-12, 1e3), "What it takes at the node, upper bound").or_said(BY_PARTS),
     number("duration_s", "s", between(0.0, 86_400.0), "How long it takes, upper bound").or_said(BY_PARTS),
     number("every_s", "s", between(1.0, 86_400.0), "Time from one to the next that is wished for"),
@@ -120,7 +116,7 @@ static ACTIONS: Table = Table::of(&[
 ]);
 
 /// What a node does to know its income, by its tables.
-const KNOWING: [&str; 2] = ["listen", "voltage_reading"];
+const ESTIMATION: [&str; 2] = ["burst", "voltage_reading"];
 /// Seconds in a day.
 const DAY: usize = 86_400;
 /// Slots that the core's budget is compiled for here.
@@ -158,7 +154,7 @@ pub(super) fn node(mut section: Section<'_>, load: Load, part: Option<Preset>) -
             None => [1.0; HOURS],
         },
         actions: actions(&mut section, parts.as_ref())?,
-        knowing: knowing(&mut section, parts.as_ref())?,
+        estimation: estimation(&mut section, parts.as_ref())?,
         figures: parts.as_ref().map_or_else(Vec::new, Parts::figures),
     };
     section.finish()?;
@@ -277,11 +273,11 @@ fn hours(mut section: Section<'_>) -> Result<[f64; HOURS], SceneError> {
 }
 
 /// Reads what the node does to know its income, which its named parts must pay for.
-fn knowing(section: &mut Section<'_>, parts: Option<&Parts>) -> Result<Vec<Knowing>, SceneError> {
-    type Read = fn(&Parts, &mut Section<'_>) -> Result<Knowing, SceneError>;
-    let kinds: [Read; 2] = [Parts::listen, Parts::voltage_reading];
+fn estimation(section: &mut Section<'_>, parts: Option<&Parts>) -> Result<Vec<EstimationCost>, SceneError> {
+    type Read = fn(&Parts, &mut Section<'_>) -> Result<EstimationCost, SceneError>;
+    let kinds: [Read; 2] = [Parts::burst, Parts::voltage_reading];
     let mut all = Vec::new();
-    for (key, read) in KNOWING.into_iter().zip(kinds) {
+    for (key, read) in ESTIMATION.into_iter().zip(kinds) {
         let Some(mut table) = section.optional_table(key)? else { continue };
         let Some(parts) = parts else {
             return Err(section.refuse(key, "needs node.parts, which is missing"));
@@ -302,8 +298,8 @@ fn actions(section: &mut Section<'_>, parts: Option<&Parts>) -> Result<Vec<Actio
         if actions.iter().any(|action| action.name == name) {
             return Err(table.refuse("name", "must not be that of another action"));
         }
-        if KNOWING.contains(&name.as_str()) {
-            return Err(table.refuse("name", format!("must not be {}", KNOWING.join(" or "))));
+        if ESTIMATION.contains(&name.as_str()) {
+            return Err(table.refuse("name", format!("must not be {}", ESTIMATION.join(" or "))));
         }
         let [energy_j, duration_s] = energy_and_duration(&mut table, parts)?;
         actions.push(Action { name, energy_j, duration_s, every_s: table.number("every_s")? });

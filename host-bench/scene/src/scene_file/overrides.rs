@@ -19,7 +19,14 @@ impl Override {
     #[must_use]
     pub fn new(key: &str, value: &str) -> Self {
         let parts: Vec<&str> = key.split('.').map(str::trim).collect();
-        Self { key: parts.join("."), value: value.trim().to_owned(), option: "--set" }
+        let key = match parts.join(".") {
+            // The name of version 0.1.
+            old if old == "node.listen" || old.starts_with("node.listen.") => {
+                old.replacen("listen", "burst", 1)
+            }
+            key => key,
+        };
+        Self { key, value: value.trim().to_owned(), option: "--set" }
     }
 
     /// The same of another option than `--set`, which an error then names.

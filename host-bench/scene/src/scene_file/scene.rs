@@ -6,7 +6,7 @@ mod node;
 use std::path::PathBuf;
 
 pub use self::excitation::{Burst, BurstShape, Excitation, Random, Sweep, Tone, Trace};
-pub use self::node::{Action, HOURS, Knowing, Node, PartFigure, Storage};
+pub use self::node::{Action, EstimationCost, HOURS, Node, PartFigure, Storage};
 pub use super::bump_stop::{
     BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters, TipMassParameters,
 };
@@ -153,7 +153,7 @@ impl Load {
 
     /// The same bridge into a bus of constant voltage in V, as large a storage is; `None` for a resistor.
     #[must_use]
-    pub fn held_at(self, voltage_v: f64) -> Option<Self> {
+    pub fn with_voltage(self, voltage_v: f64) -> Option<Self> {
         match self {
             Self::Resistor { .. } => None,
             Self::RectifiedStore(RectifiedStore { diode_drop_v, .. }) | Self::DcBus { diode_drop_v, .. } => {

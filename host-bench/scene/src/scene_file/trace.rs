@@ -63,7 +63,7 @@ struct Asked {
 /// Which column of a table has the times of the samples.
 #[derive(Debug)]
 enum AskedClock {
-    /// The file shall tell.
+    /// As the file states.
     Unset,
     /// None, whatever the file looks like.
     Ignored,

@@ -1,4 +1,4 @@
-//! The node on its simulated plant: what it told of its day, and what that cost.
+//! The node on its simulated plant: its estimates of the day, and their cost.
 
 use std::time::Duration;
 
@@ -23,7 +23,7 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
         announce(core);
         let found = node::follow(core, limit)?;
         hours(core, &found, output);
-        let shares = knowing(core, &found, output);
+        let shares = estimation(core, &found, output);
         tier(core, "map", &found.bare, &shares, output);
         let bare = node::bare(core, true, limit)?;
         tier(core, "voltage", &bare, &of_voltage(core, &bare), output);
@@ -31,28 +31,29 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
     Ok(())
 }
 
-/// What the node told, and the truth.
-struct Told {
+/// The estimate of the node, and the truth.
+struct EstimatedIncome {
     /// Second of the day at its end, and when it began.
     end: u32,
-    told: IncomeOfTime,
+    estimated: IncomeOfTime,
     /// In J.
     income: f64,
 }
 
-impl Told {
+impl EstimatedIncome {
     fn error(&self) -> f64 {
-        f64::from(self.told.energy) - self.income
+        f64::from(self.estimated.energy) - self.income
     }
 
     fn is_inside(&self) -> bool {
-        self.error().abs() <= f64::from(self.told.bound)
+        self.error().abs() <= f64::from(self.estimated.bound)
     }
 
-    /// Mean powers in W: told, bound, and true.
+    /// Mean powers in W: estimated, bound, and true.
     fn powers(&self) -> [f64; 3] {
-        let seconds = f64::from(self.told.seconds.max(1));
-        [self.told.energy.into(), self.told.bound.into(), self.income].map(|energy: f64| energy / seconds)
+        let seconds = f64::from(self.estimated.seconds.max(1));
+        [self.estimated.energy.into(), self.estimated.bound.into(), self.income]
+            .map(|energy: f64| energy / seconds)
     }
 
     fn cells(&self, name: String) -> Vec<String> {
@@ -68,17 +69,17 @@ impl Told {
     }
 
     fn json(&self, core: Core, case: &str) -> Value {
-        let [told, bound, truth] = self.powers();
+        let [estimated, bound, truth] = self.powers();
         json!({
             "core": core.to_string(),
             "variant": "node",
             "case": case,
             "end_s": self.end,
-            "duration_s": self.told.seconds,
-            "told_w": told,
+            "duration_s": self.estimated.seconds,
+            "estimated_w": estimated,
             "bound_w": bound,
             "income_w": truth,
-            "silent_s": self.told.silent,
+            "silent_s": self.estimated.silent,
         })
     }
 }
@@ -91,12 +92,14 @@ fn joules(energy: u64) -> f64 {
 /// Prints the income of each hour and of the day.
 fn hours(core: Core, found: &Followed, output: &mut Output) {
     let entries = &found.whole.entries;
-    let hours: Vec<Told> = entries
+    let hours: Vec<EstimatedIncome> = entries
         .iter()
         .filter_map(|entry| match entry {
-            Entry::Hour(hour) => {
-                Some(Told { end: hour.second, told: hour.told, income: joules(hour.income) })
-            }
+            Entry::Hour(hour) => Some(EstimatedIncome {
+                end: hour.second,
+                estimated: hour.estimated,
+                income: joules(hour.income),
+            }),
             _ => None,
         })
         .collect();
@@ -105,12 +108,12 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
         _ => None,
     });
     let Some(last) = last else { return };
-    let all = Told { end: last.second, told: last.told, income: joules(last.income) };
+    let all = EstimatedIncome { end: last.second, estimated: last.estimated, income: joules(last.income) };
     let clock = |second: u32| format!("{:02}:{:02}", second / 3600, second % 3600 / 60);
     let mut rows: Vec<Vec<String>> = hours.iter().map(|hour| hour.cells(clock(hour.end))).collect();
     rows.push(all.cells("the day".to_owned()));
     let note = day_note(core, found, &hours, last, &all);
-    let header = vec!["until", "told", "bound", "true", "error", "inside"];
+    let header = vec!["until", "estimated", "bound", "true", "error", "inside"];
     output.table(header, rows, 1, &note);
     hours.iter().for_each(|hour| output.object(hour.json(core, "hour")));
     let Bare { size: bare, memory, .. } = &found.bare;
@@ -118,7 +121,7 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
     let more = json!({
         "readings": last.instruments[0],
         "bursts": last.instruments[1],
-        "share_of_income": f64::from(last.knowing) / all.income,
+        "share_of_income": f64::from(last.estimation) / all.income,
         "losses_of_power": found.losses,
         "flash_bytes": bare.flash,
         "ram_bytes": bare.static_ram,
@@ -137,7 +140,13 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
 }
 
 /// What stands below the hours of a day.
-fn day_note(core: Core, found: &Followed, hours: &[Told], last: &State, all: &Told) -> String {
+fn day_note(
+    core: Core,
+    found: &Followed,
+    hours: &[EstimatedIncome],
+    last: &State,
+    all: &EstimatedIncome,
+) -> String {
     let with_income = hours.iter().filter(|hour| hour.income > 0.0);
     let inside = hours.iter().filter(|hour| hour.is_inside()).count();
     let [readings, bursts] = last.instruments;
@@ -145,7 +154,7 @@ fn day_note(core: Core, found: &Followed, hours: &[Told], last: &State, all: &To
     let Bare { size: bare, memory, .. } = &found.bare;
     let ram = bare.static_ram + memory.stack;
     format!(
-        "{core}. Income in uW until that time of the day, told with its bound, and that of the plant. Inside: {inside} of {} hours, of which
+        "{core}. Income in uW until that time of the day, estimated with its bound, and that of the plant. Inside: {inside} of {} hours, of which
 {} have an income. {readings} readings, {bursts} bursts, {measured} measurements, {transmitted} transmissions.
 By its own books the node spent {:.2} % of the income on knowing it.
 {} losses of power; after each the node came to the same bits. Each logged value has the host's bits.
@@ -154,7 +163,7 @@ static {}, state {}, image {}; the rest is stack.
 With the log, the simulated memory and the plant: flash {}, static RAM {}, stack {}.",
         hours.len(),
         with_income.count(),
-        100.0 * f64::from(last.knowing) / all.income,
+        100.0 * f64::from(last.estimation) / all.income,
         found.losses,
         bare.flash,
         ram,
@@ -240,8 +249,8 @@ fn tier(core: Core, tier: &str, bare: &Bare, shares: &[(&'static str, f64)], out
     }
 }
 
-/// Prints the energy of knowing the income on the parts that have the core, by the counted instructions.
-fn knowing(core: Core, found: &Followed, output: &mut Output) -> Vec<(&'static str, f64)> {
+/// Prints the energy of estimating the income on the parts that have the core, by the counted instructions.
+fn estimation(core: Core, found: &Followed, output: &mut Output) -> Vec<(&'static str, f64)> {
     let instructions = |works: &[Work]| -> f64 {
         let of = |name: &str| found.counted.iter().find(|counted| counted.work == name);
         works.iter().filter_map(|work| of(work.name())).map(|counted| counted.instructions).sum()
@@ -284,7 +293,7 @@ and {bursts} bursts in the day. {UNCONFIRMED} marks an energy per cycle that was
         output.object(json!({
             "core": core.to_string(),
             "variant": "node",
-            "case": "knowing",
+            "case": "estimation",
             "part": part.name,
             "reading_j": reading,
             "burst_j": burst,

@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_are_spread_evenly_and_end_where_told() {
+    fn values_are_spread_evenly_and_end_at_the_bounds() {
         let axis: Axis = "run.duration_s=1:3:5".parse().expect("valid");
         let values: Vec<f64> = (0..axis.count()).map(|index| axis.value(index)).collect();
         assert_eq!(values, [1.0, 1.5, 2.0, 2.5, 3.0]);

@@ -30,7 +30,7 @@ impl Quantity {
 
 /// What a picture says beside its values.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::command) struct Words<'a> {
+pub(in crate::command) struct Labels<'a> {
     pub(in crate::command) title: &'a str,
     /// Why a point has no value: what is white on a map.
     pub(in crate::command) without: &'a str,
@@ -40,7 +40,7 @@ pub(in crate::command) struct Words<'a> {
 
 /// The picture; `None` without values, without an axis of several values, or with more than two.
 pub(in crate::command) fn picture(
-    words: Words<'_>,
+    words: Labels<'_>,
     axes: &[Axis],
     quantities: &[Quantity],
 ) -> Option<Picture> {
@@ -67,7 +67,7 @@ fn across(axis: &Axis) -> chart::Axis {
 }
 
 /// A quantity over one axis. Its line has a gap where it jumps.
-fn curve(words: Words<'_>, axis: &Axis, (name, values): &(String, Vec<Option<f64>>)) -> Chart {
+fn curve(words: Labels<'_>, axis: &Axis, (name, values): &(String, Vec<Option<f64>>)) -> Chart {
     let point = |(index, value): (usize, &Option<f64>)| Some((index, (axis.value(index), (*value)?)));
     let points: Vec<(usize, (f64, f64))> = values.iter().enumerate().filter_map(point).collect();
     let line = Curve::new("", BLUE, Mark::Dotted([1.8, 6.0]), points.iter().map(|(_, point)| *point));
@@ -81,7 +81,7 @@ fn curve(words: Words<'_>, axis: &Axis, (name, values): &(String, Vec<Option<f64
 }
 
 /// The cells over both axes.
-fn map(words: Words<'_>, axes: [&Axis; 2], (name, values): &(String, Vec<Option<f64>>)) -> Chart {
+fn map(words: Labels<'_>, axes: [&Axis; 2], (name, values): &(String, Vec<Option<f64>>)) -> Chart {
     // The indices of an axis in the order of its values.
     let [columns, rows] = axes.map(|axis| {
         let mut indices: Vec<usize> = (0..axis.count()).collect();
@@ -134,18 +134,18 @@ mod tests {
         Quantity { name: "mean power", unit: "W", values: values.into_iter().collect() }
     }
 
-    fn draw(words: Words<'_>, axes: &[Axis], quantity: Quantity) -> String {
+    fn draw(words: Labels<'_>, axes: &[Axis], quantity: Quantity) -> String {
         picture(words, axes, &[quantity]).expect("a picture").svg().expect("drawn")
     }
 
     #[test]
     fn a_map_has_round_ticks_no_power_below_zero_and_says_what_is_white() {
         let axes = [axis("load.resistance_ohm=1e3:1e5:5:log"), axis("excitation.frequency_hz=19:22:4")];
-        let words = Words { title: "Title", without: "the run failed", marked: (&[], "") };
+        let words = Labels { title: "Title", without: "the run failed", marked: (&[], "") };
         let values = (0..20).map(|index| (index != 7).then_some(f64::from(index) * 1e-6));
-        let told = texts(&draw(words, &axes, power(values)));
+        let messages = texts(&draw(words, &axes, power(values)));
         for expected in ["white: the run failed", "mean power [µW]", "10³", "10⁴", "10⁵", "19", "22"] {
-            assert!(told.iter().any(|text| text == expected), "{expected} is not in {told:?}");
+            assert!(messages.iter().any(|text| text == expected), "{expected} is not in {messages:?}");
         }
         // The last axis runs fastest, and goes across: its name is not turned.
         let svg = draw(words, &axes, power((0..20).map(|index| Some(f64::from(index)))));
@@ -153,21 +153,21 @@ mod tests {
             |name: &str| svg.split("<text").any(|text| text.contains(name) && text.contains("rotate"));
         assert!(turned("load resistance [Ω]") && !turned("excitation frequency [Hz]"));
         assert!(svg.contains("excitation frequency [Hz]") && !svg.contains("frequency_hz"), "no raw key");
-        assert!(!told.iter().any(|text| text.contains("3.16") || text.starts_with('-')), "{told:?}");
+        assert!(!messages.iter().any(|text| text.contains("3.16") || text.starts_with('-')), "{messages:?}");
         let all = (0..20).map(|index| Some(f64::from(index)));
-        let told = texts(&draw(words, &axes, power(all)));
-        assert!(!told.iter().any(|text| text.contains("white")), "{told:?}");
+        let messages = texts(&draw(words, &axes, power(all)));
+        assert!(!messages.iter().any(|text| text.contains("white")), "{messages:?}");
     }
 
     #[test]
     fn a_curve_has_a_gap_at_a_jump_and_marks_what_is_unstable() {
         let axes = [axis("excitation.frequency_hz=1:8:8")];
         let marked = [false, false, true, true, false, false, false, false];
-        let words = Words { title: "Title", without: "", marked: (&marked, "no stable orbit") };
+        let words = Labels { title: "Title", without: "", marked: (&marked, "no stable orbit") };
         let values = [1.0, 1.1, 1.2, 1.3, 9.0, 9.1, 9.2, 9.3].map(Some);
         let svg = draw(words, &axes, power(values));
-        let told = texts(&svg);
-        assert!(told.iter().any(|text| text == "no stable orbit"), "{told:?}");
+        let messages = texts(&svg);
+        assert!(messages.iter().any(|text| text == "no stable orbit"), "{messages:?}");
         let line = svg.split("stroke-linejoin").nth(1).expect("a line").split("d=\"").nth(1).expect("a path");
         assert_eq!(line.split('"').next().map(|path| path.matches('M').count()), Some(2), "{line}");
         let rings = svg.split("#D55E00").filter(|part| part.contains("h0")).count();
@@ -180,7 +180,7 @@ mod tests {
             .map(|text| text.parse().expect("an axis"))
             .into();
         let quantity = power((0..12).map(|index| (index != 7).then_some(f64::from(index) * 1e-6)));
-        let words = Words { title: "a & b", without: "the run failed", marked: (&[], "") };
+        let words = Labels { title: "a & b", without: "the run failed", marked: (&[], "") };
         let page = picture(words, &axes, &[quantity]).expect("a picture").page().expect("drawn");
         assert!(page.contains("<h1>a &amp; b</h1>") && page.contains("white: the run failed"));
         // Eleven cells have a colour.

@@ -38,7 +38,7 @@ pub(super) fn runs() -> usize {
 
 /// The numbers of a run, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Found {
+pub(crate) struct ConvergenceRun {
     pub(crate) rms_voltage: f64,
     peak_force: f64,
     pub(crate) mean_force: f64,
@@ -52,7 +52,7 @@ pub(crate) fn found(
     contact: Contact,
     run: RunSpan,
     options: &Options,
-) -> Result<Found, Failure> {
+) -> Result<ConvergenceRun, Failure> {
     let Model::BumpStop(mut model) = base.model.clone() else {
         return Err(Failure::of_file(base, "scene must be \"bump-stop\" here"));
     };
@@ -65,7 +65,7 @@ pub(crate) fn found(
     let outcome = run_scene(&Scene { model: Model::BumpStop(model), run, ..base.clone() }, options)?;
     let motion = outcome.bump_stop().ok_or_else(|| Failure::Input("another scene was run".to_owned()))?;
     let value = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    Ok(Found {
+    Ok(ConvergenceRun {
         rms_voltage: value(outcome.rms_voltage_v),
         peak_force: value(motion.peak_force_n),
         mean_force: value(motion.mean_force_n),
@@ -73,7 +73,7 @@ pub(crate) fn found(
     })
 }
 
-impl Found {
+impl ConvergenceRun {
     /// As the last columns of CSV.
     fn cells(&self) -> [String; 4] {
         [self.rms_voltage, self.mean_force, self.peak_force, self.contacts_per_period].map(number)
@@ -91,7 +91,7 @@ impl Found {
 }
 
 /// Place of the stop (0 at the tip, 1 at mid-span), modes of the rod and modes of the beam, and the numbers of the run.
-pub(super) type ModesPoint = ([usize; 3], Found);
+pub(super) type ModesPoint = ([usize; 3], ConvergenceRun);
 
 /// All counts of modes, with the stop at the tip and at mid-span.
 pub(super) fn in_modes(scenes: [&Scene; 2], done: &(dyn Fn() + Sync)) -> Result<Vec<ModesPoint>, Failure> {
@@ -110,7 +110,7 @@ pub(super) fn in_modes(scenes: [&Scene; 2], done: &(dyn Fn() + Sync)) -> Result<
 }
 
 /// Place in the list of laws and step near contact in s, and the numbers of the run.
-pub(super) type StepPoint = ((usize, f64), Found);
+pub(super) type StepPoint = ((usize, f64), ConvergenceRun);
 
 /// All steps under both laws, with the stop at the tip.
 pub(super) fn in_step(scene: &Scene, done: &(dyn Fn() + Sync)) -> Result<Vec<StepPoint>, Failure> {
@@ -218,7 +218,7 @@ pub(super) fn step_figure(points: &[StepPoint], [base, note]: [&str; 2]) -> Figu
 
 fn step_panels(points: &[StepPoint], base: &str) -> Vec<Panel> {
     let across = Axis::logarithmic("step near contact [s]", [0.9 * STEPS[0], 1.1 * STEPS[STEPS.len() - 1]]);
-    let curves = |value: fn(&Found) -> f64| -> Vec<Curve> {
+    let curves = |value: fn(&ConvergenceRun) -> f64| -> Vec<Curve> {
         let laws = LAWS.iter().enumerate();
         laws.map(|(index, (_, name, colour))| {
             let of = points.iter().filter(|((law, _), _)| *law == index);

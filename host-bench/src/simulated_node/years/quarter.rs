@@ -10,7 +10,7 @@ use crate::method::Failure;
 pub enum Stress {
     #[default]
     None,
-    /// The harvester yields a fifth less at the end.
+    /// The harvester gives a fifth less at the end.
     Ageing,
     /// The clock is set forward or back by up to an hour, each five to seven days.
     Clock,
@@ -37,18 +37,18 @@ pub struct Quarter {
     pub stress: Stress,
     pub quarter: u32,
     pub hours: u32,
-    /// Share of the hours that were told within their bound.
+    /// Share of the hours whose estimate lies within its bound.
     pub inside: f64,
     pub sum_estimated_j: f64,
     pub sum_bound_j: f64,
     pub sum_true_j: f64,
-    /// Spent on knowing over the income of the quarter.
+    /// Spent on estimation over the income of the quarter.
     pub share: f64,
     /// Images of its own that were not taken or not read.
     pub refused_images: u32,
     /// Hours in which a node that was on did not read its storage.
     pub frozen_hours: u32,
-    /// Hours of which it told no number.
+    /// Hours without an estimate.
     pub not_a_number: u32,
 }
 

@@ -17,7 +17,7 @@ const FEWEST: f64 = 64.0;
 /// Most attempts per simulated second: a ladder ends with a run that takes more.
 const MOST_ATTEMPTS_PER_S: f64 = 2e5;
 /// A ladder ends with a run that takes longer than this times the slowest choice of exponential Radau.
-const DEARER: f64 = 2.0;
+const COST_FACTOR: f64 = 2.0;
 /// Runs in a row that stop on their way after which a ladder ends.
 const MOST_FAILED: usize = 6;
 /// Timed runs of each candidate.
@@ -115,7 +115,7 @@ impl<'a> Search<'a> {
     /// meets.
     fn slowest(&self) -> f64 {
         let met = ACCURACIES.iter().filter_map(|&accuracy| self.candidates(accuracy).first().copied());
-        DEARER * met.map(|place| self.of(place).seconds).fold(0.0, f64::max)
+        COST_FACTOR * met.map(|place| self.of(place).seconds).fold(0.0, f64::max)
     }
 
     fn climb_one(

@@ -104,7 +104,7 @@ fn the_lower_end_is_that_of_all_income_first_and_all_expenditure_last() {
         ..example::<f64>()
     };
     let budget = with(storage);
-    let kept = (-2.0 * 60.0 / (500e3 * 220e-6_f64)).exp();
+    let remaining = (-2.0 * 60.0 / (500e3 * 220e-6_f64)).exp();
     let capacity = budget.storage().capacity();
     // With room for the income and without, and down to the lock-out.
     for (start, income, spent) in [(1.5e-3, 2e-4, 1e-4), (2.2e-3, 9e-4, 2e-4), (1.2e-3, 0.0, 9e-4)] {
@@ -112,8 +112,8 @@ fn the_lower_end_is_that_of_all_income_first_and_all_expenditure_last() {
         budget.correct(&mut state, start, 1e-5);
         budget.update(&mut state, 60, income / 0.8, spent * 0.9);
         let least = start - 1e-5 + income;
-        let expected = (least.min(capacity) * kept - spent - 2e-6 * 60.0 / 0.9)
-            .max(least.min(budget.storage().lock_out()) * kept);
+        let expected = (least.min(capacity) * remaining - spent - 2e-6 * 60.0 / 0.9)
+            .max(least.min(budget.storage().lock_out()) * remaining);
         assert!((state.certain_energy() - expected).abs() < 1e-14, "{start}: {state:?} {expected:e}");
     }
 }

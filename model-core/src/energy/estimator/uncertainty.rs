@@ -18,7 +18,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         let (energy, seconds) = (state.accumulator.energy(), state.accumulator.seconds());
         let checked = self
             .harvester
-            .checked_error(&state.harvester)
+            .step_doubling_error(&state.harvester)
             .filter(|checked| S::from_f64(LARGEST_SHARE) * checked.power * seconds >= energy.abs());
         let step = if H::ESTIMATES_ERROR {
             let estimated = state.accumulator.step_error(self.harvester.angular_frequency());
@@ -99,7 +99,7 @@ pub struct Estimate<S> {
 /// first second from rest it can be half of the actual error.
 /// `cargo test -p model-core estimator::uncertainty -- --nocapture` prints the ratios.
 ///
-/// [`bump_stop::Checked`](crate::scene::bump_stop::Checked) checks its steps against steps of half the length in a part of the
+/// [`bump_stop::StepDoubling`](crate::scene::bump_stop::Checked) checks its steps against steps of half the length in a part of the
 /// time. Its figure is twice the change of the delivered energy in the checks, with twice the standard error of that.
 ///
 /// # Rounding

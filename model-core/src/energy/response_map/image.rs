@@ -15,12 +15,12 @@
 //! | 14, 15 | rows of the lower and of the upper branch, [`ROWS`] together |
 //! | 16, 17 | spacing of the rows of the lower and of the upper branch: shift, and bits in the upper byte |
 //! | 18, 19 | lowest and highest level of the amplitude |
-//! | 20 | levels beside a boundary within which both branches are told |
+//! | 20 | levels beside a boundary within which both branches are given |
 //! | 21 | octaves by which the levels of values are shifted |
 //! | 22 | random points by which the bounds were measured |
 //! | 23, 24 | median and 90th percentile of the error at these points, in 10⁻⁴ |
 //! | 25 | share of other points at which the bounds hold, in 10⁻⁴ |
-//! | 26 | level of the power over the spectral density of broadband shaking, shifted by 40 octaves; 0 if there is none |
+//! | 26 | level of the power over the spectral density of broadband vibration, shifted by 40 octaves; 0 if there is none |
 //! | 27 | level of the largest density for which that holds, shifted by 24 octaves |
 //! | … | level of the voltage of each slice |
 //! | … | the columns of each slice, [`COLUMN_WORDS`] words each |
@@ -47,7 +47,7 @@ pub const MAGIC: u16 = u16::from_le_bytes(*b"RM");
 pub const VERSION: u16 = 2;
 /// Bit of word 5: the values are charge per second in A; without it, power in W.
 pub const CURRENT: u16 = 1;
-/// Bit of word 5: there is a lower branch with values. Without it the lower branch of a map with boundaries yields nothing.
+/// Bit of word 5: there is a lower branch with values. Without it the lower branch of a map with boundaries gives no power.
 pub const LOWER: u16 = 2;
 /// Bit of word 5: there is an upper branch.
 pub const UPPER: u16 = 4;

@@ -118,7 +118,7 @@ pub(super) struct Plan {
     /// From a detuning to a [`Place`], and the place of the resonance.
     factor: u32,
     middle: u32,
-    /// Levels beside a boundary within which both branches are told.
+    /// Levels beside a boundary within which both branches are given.
     pub(super) margin: i32,
     /// What is added to the level of a value.
     raised: i32,
@@ -206,7 +206,7 @@ impl Plan {
         [columns + slice * COLUMNS * COLUMN_WORDS, bounds + slice * SLICE_BOUNDS]
     }
 
-    /// The yield of a branch between two columns, at a distance in levels from its boundary, beyond it that at the boundary;
+    /// The output power of a branch between two columns, at a distance in levels from its boundary, beyond it that at the boundary;
     /// `None` of a branch without values.
     #[inline(always)]
     pub(super) fn income<T: Word>(
@@ -268,7 +268,7 @@ fn between(from: i32, to: i32, part: i32) -> i32 {
 }
 
 /// The product of a value of at most sixteen significant bits and the factor of a bound, of at most eight and 0 or from 1/4 to 4: exact, so that
-/// integers yield the same bits, on a core without floating point in a fifth of the instructions.
+/// integers give the same bits, on a core without floating point in a fifth of the instructions.
 #[inline]
 pub(super) fn product<T: Word>(value: f32, factor: T) -> f32 {
     let factor = factor.number();

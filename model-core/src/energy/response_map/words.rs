@@ -36,7 +36,7 @@ pub type Bounds<T> = [Part<T>; PARTS];
 pub type Columns<T> = [[T; COLUMN_WORDS]; COLUMNS];
 
 /// Where the words of a map are: in memory as words, or as little-endian bytes.
-pub trait Words: Copy {
+pub trait WordSource: Copy {
     /// One of them.
     type Word: Word;
     /// The columns of a slice.
@@ -54,7 +54,7 @@ pub trait Words: Copy {
     fn bounds(self, from: usize) -> Option<Self::Bounds>;
 }
 
-impl<'a> Words for &'a [u16] {
+impl<'a> WordSource for &'a [u16] {
     type Word = u16;
     type Columns = &'a Columns<u16>;
     type Bounds = &'a Bounds<u16>;
@@ -72,7 +72,7 @@ impl<'a> Words for &'a [u16] {
     }
 }
 
-impl<'a> Words for &'a [u8] {
+impl<'a> WordSource for &'a [u8] {
     type Word = [u8; 2];
     type Columns = &'a Columns<[u8; 2]>;
     type Bounds = &'a Bounds<[u8; 2]>;

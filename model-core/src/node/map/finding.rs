@@ -1,7 +1,7 @@
 //! What a burst of samples says of the output power: lines of blocks, looked up in the map.
 
 use crate::energy::ResponseMap;
-use crate::energy::response_map::{Bounded, Outside, Response, Words};
+use crate::energy::response_map::{Bounded, Outside, Response, WordSource};
 use crate::excitation::Lines;
 use crate::node::tier::BOUND;
 use crate::scalar::Scalar;
@@ -9,11 +9,11 @@ use crate::snapshot::{snapshot_fields, snapshot_variants};
 
 /// Purity from which a block has a line.
 const LINE: f32 = 0.9;
-/// Mean purity up to which blocks are broadband shaking.
+/// Mean purity up to which blocks are broadband vibration.
 const BROADBAND: f32 = 0.85;
-/// Part of the line's yield above which what else the resonance hears is relevant.
+/// Part of the line's output power above which what else excites the resonance is relevant.
 const RELEVANT: f32 = 0.05;
-/// Yield of the strongest line over that of broadband shaking from which the shaking is not broadband.
+/// Output power of the strongest line over that of broadband vibration from which the vibration is not broadband.
 const STRONG: f32 = 3.0;
 /// Relative standard deviation of the density of noise in a block: of the mean over two bins of a Hann window, the fewest, whose
 /// powers have the correlation 4/9, √((1 + 4/9)/2).
@@ -22,7 +22,7 @@ const DENSITY: f32 = 0.85;
 const ALONE: f32 = 0.002;
 /// Relative error of the amplitude of a line.
 const OF_AMPLITUDE: f32 = 0.004;
-/// Relative standard deviation of a yield by the errors of the amplitude and the frequency of a line.
+/// Relative standard deviation of an output power by the errors of the amplitude and the frequency of a line.
 const OF_LINE: f32 = 0.02;
 
 /// Highest peak of noise over the amplitude of its strongest bin: three deviations of what some 60 bins add up to.
@@ -37,17 +37,17 @@ pub enum Finding {
     /// A line with two steady motions: the storage decided which.
     TwoMotionsOneSeen,
     /// A line with two steady motions between which the storage has not decided: where they are new, the power is the middle
-    /// of both yields with a bound that covers both, and then what the storage tells. No value.
+    /// of both output powers with a bound that covers both, and then the estimate by the voltage. No value.
     TwoMotions,
-    /// Broadband shaking of a harvester that stays linear.
+    /// Broadband vibration of a harvester that stays linear.
     Broadband,
-    /// Broadband shaking beyond the linear motion: the yield of the linear motion, of which the true one may be many times.
+    /// Broadband vibration beyond the linear motion: the output power of the linear motion, of which the true one may be many times.
     BroadbandBeyond,
-    /// Shaking below the map: at most the yield at its lowest amplitude.
+    /// Vibration below the map: at most the output power at its lowest amplitude.
     Rest,
     /// A line beyond another edge of the map: no value.
     Outside(Outside),
-    /// Neither a line nor broadband shaking, for example two strong lines: the order of magnitude of the stronger one.
+    /// Neither a line nor broadband vibration, for example two strong lines: the order of magnitude of the stronger one.
     Unclear,
     /// A sample was at the end of the sensor's range, or samples were lost: no value.
     Damaged,
@@ -56,19 +56,19 @@ pub enum Finding {
 /// What a burst says by the map, before the storage has a say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Modelled {
+pub struct PredictedPower {
     /// Of what kind it is.
     pub finding: Finding,
     /// Of the smaller motion where there are two.
-    pub lower: Yield,
+    pub lower: OutputPower,
     /// Of the larger motion where there are two.
-    pub upper: Yield,
+    pub upper: OutputPower,
 }
 
-/// Yield of a motion by the map.
+/// Output power of a motion by the map.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Yield {
+pub struct OutputPower {
     /// In W.
     pub value: f32,
     /// Standard deviation in W by noise, new in each burst.
@@ -77,30 +77,30 @@ pub struct Yield {
     pub systematic: f32,
 }
 
-impl Modelled {
+impl PredictedPower {
     /// What the blocks of a burst say by the map, with the storage at `voltage` in V, which only a map of charge asks for.
     /// A [`MapNode`](super::MapNode) takes its samples by the same code.
     #[must_use]
-    pub fn of_blocks<W: Words>(map: &ResponseMap<W>, blocks: &[Lines], voltage: f32) -> Self {
+    pub fn of_blocks<W: WordSource>(map: &ResponseMap<W>, blocks: &[Lines], voltage: f32) -> Self {
         let mut sums = Blocks::default();
         for lines in blocks {
             sums.add(map, lines, voltage);
         }
-        sums.modelled(map, voltage)
+        sums.predicted(map, voltage)
     }
 
-    /// The yield of either motion: the middle of both, uncertain by half of their difference.
+    /// The output power of either motion: the middle of both, uncertain by half of their difference.
     #[must_use]
-    pub fn either(&self) -> Yield {
+    pub fn either(&self) -> OutputPower {
         let Self { lower, upper, .. } = *self;
         let half = 0.5 * (upper.value - lower.value);
         let value = lower.value + half;
         let systematic = upper.systematic + if value > 0.0 { half / value } else { 0.0 };
-        Yield { value, noise: lower.noise, systematic }
+        OutputPower { value, noise: lower.noise, systematic }
     }
 }
 
-impl Yield {
+impl OutputPower {
     /// Bound of its error in W: two and a half standard deviations, as of an [`IncomeOfTime`](crate::node::IncomeOfTime).
     #[must_use]
     pub fn bound(&self) -> f32 {
@@ -120,8 +120,8 @@ pub(super) struct Blocks {
     doubles: u32,
     /// Whether the sensor was at its end, or samples were lost.
     pub(super) is_damaged: bool,
-    /// Yield of the smaller and the larger motion, and its bounds.
-    yields: [f32; 4],
+    /// Output power of the smaller and the larger motion, and its bounds.
+    powers: [f32; 4],
     /// The largest amplitude with its frequency.
     strongest: [f32; 2],
     /// The smallest amplitude of a line in the map.
@@ -133,7 +133,7 @@ pub(super) struct Blocks {
 
 impl Blocks {
     /// Takes in the lines of a block; `voltage` is that of the storage in V.
-    pub(super) fn add<W: Words>(&mut self, map: &ResponseMap<W>, lines: &Lines, voltage: f32) {
+    pub(super) fn add<W: WordSource>(&mut self, map: &ResponseMap<W>, lines: &Lines, voltage: f32) {
         self.count = self.count.saturating_add(1);
         self.purity += lines.purity;
         self.density += lines.density;
@@ -150,24 +150,24 @@ impl Blocks {
             self.doubles = self.doubles.saturating_add(1);
         }
         let beside = 2.0 * (1.0 - lines.purity);
-        let yields = [less.value, more.value, less.low * (1.0 - beside), more.high * (1.0 + beside)];
+        let powers = [less.value, more.value, less.low * (1.0 - beside), more.high * (1.0 + beside)];
         if self.lines == 0 || lines.amplitude < self.weakest {
             self.weakest = lines.amplitude;
         }
         self.lines = self.lines.saturating_add(1);
         let scale = if map.is_current() { voltage } else { 1.0 };
-        for (sum, part) in self.yields.iter_mut().zip(yields) {
+        for (sum, part) in self.powers.iter_mut().zip(powers) {
             *sum += part * scale;
         }
     }
 
-    /// The least and the largest yield of the smaller and of the larger motion at the amplitudes between which the line beats
+    /// The least and the largest output power of the smaller and of the larger motion at the amplitudes between which the line beats
     /// with what else the band has, or within the error of its amplitude. `None` outside the map.
     ///
     /// Two lines nearer than a bin are one to the bank, whose amplitude differs from block to block: it goes on by half of the
-    /// difference beyond those that were heard. Lines farther apart lower the purity `p`: the others have together up to
+    /// difference beyond those of the blocks. Lines farther apart lower the purity `p`: the others have together up to
     /// `√((1 − p)/p)` of the amplitude.
-    fn beat<W: Words>(&self, map: &ResponseMap<W>, purity: f32, voltage: f32) -> Option<[[f32; 2]; 2]> {
+    fn beat<W: WordSource>(&self, map: &ResponseMap<W>, purity: f32, voltage: f32) -> Option<[[f32; 2]; 2]> {
         let [most, frequency] = self.strongest;
         let others = (1.0 - purity) / purity - ALONE;
         let beside = OF_AMPLITUDE + if others > 0.0 { Scalar::sqrt(others) } else { 0.0 };
@@ -187,12 +187,12 @@ impl Blocks {
         Some([span(less, less_above), span(more, more_above)])
     }
 
-    /// The yield of all blocks.
-    pub(super) fn modelled<W: Words>(&self, map: &ResponseMap<W>, voltage: f32) -> Modelled {
-        let one = |finding, lower| Modelled { finding, lower, upper: lower };
-        let nothing = |finding| one(finding, Yield::default());
+    /// The output power of all blocks.
+    pub(super) fn predicted<W: WordSource>(&self, map: &ResponseMap<W>, voltage: f32) -> PredictedPower {
+        let one = |finding, lower| PredictedPower { finding, lower, upper: lower };
+        let nothing = |finding| one(finding, OutputPower::default());
         // An order of magnitude.
-        let about = |finding, value| one(finding, Yield { value, noise: value, systematic: 0.0 });
+        let about = |finding, value| one(finding, OutputPower { value, noise: value, systematic: 0.0 });
         if self.is_damaged || self.count == 0 {
             return nothing(Finding::Damaged);
         }
@@ -201,7 +201,7 @@ impl Blocks {
         let scale = if map.is_current() { voltage } else { 1.0 };
         let broadband = |density: f32| map.broadband(density / count);
         if self.lines == self.count {
-            let [value, upper, low, high] = self.yields.map(|sum| sum / count);
+            let [value, upper, low, high] = self.powers.map(|sum| sum / count);
             let rest = 3.0 * scale * broadband(self.rest).map_or(0.0, |rest| rest.value);
             if rest > RELEVANT * value {
                 return about(Finding::Unclear, Scalar::max(value, rest));
@@ -213,7 +213,7 @@ impl Blocks {
                 let beat = Scalar::max(value - least, most - value) / BOUND;
                 let spread = Scalar::max(spread, beat);
                 let systematic = if value > 0.0 { spread / value } else { 0.0 };
-                Yield { value, noise: part * value, systematic }
+                OutputPower { value, noise: part * value, systematic }
             };
             let beat = self.beat(map, purity, voltage);
             let [of_lower, of_upper] = beat.unwrap_or([[value; 2], [upper; 2]]);
@@ -227,17 +227,17 @@ impl Blocks {
             // Of each motion the bound away from the other one.
             let lower = with(value, 0.5 * (value - low), of_lower);
             let upper = with(upper, 0.5 * (high - upper), of_upper);
-            return Modelled { finding: Finding::TwoMotions, lower, upper };
+            return PredictedPower { finding: Finding::TwoMotions, lower, upper };
         }
         let [lowest, _] = map.amplitudes();
-        // The strongest line of noise or of no signal is any bin, which the map need not have: the yield at rest is then bounded
+        // The strongest line of noise or of no signal is any bin, which the map need not have: the output power at rest is then bounded
         // by that at the resonance.
         let at = if map.has_frequency(frequency) { frequency } else { map.resonance() };
         let edge = look_up(map, lowest * 1.001, at, voltage).income();
         if amplitude < lowest || self.purity <= BROADBAND * count {
             if let Some(found) = broadband(self.density) {
                 let value = found.value * scale;
-                // Shaking of an even density has no line that yields more than a few of its bins.
+                // Vibration of an even density has no line that gives more than a few of its bins.
                 let line = look_up(map, amplitude, frequency, voltage);
                 let line = line.income().map_or(0.0, |line| line.high * scale);
                 if amplitude >= lowest && line > STRONG * value {
@@ -248,19 +248,22 @@ impl Blocks {
                 }
                 let noise = DENSITY * value / Scalar::sqrt(count);
                 if amplitude >= lowest {
-                    return one(Finding::Broadband, Yield { value, noise, systematic: 0.0 });
+                    return one(Finding::Broadband, OutputPower { value, noise, systematic: 0.0 });
                 }
-                // The yield of the linear motion grows with the square of the amplitude.
+                // The output power of the linear motion grows with the square of the amplitude.
                 let part = amplitude / lowest;
                 let line = edge.map_or(0.0, |edge| 0.5 * edge.high * scale * part * part);
-                return one(Finding::Rest, Yield { value, noise: Scalar::max(noise, line), systematic: 0.0 });
+                return one(
+                    Finding::Rest,
+                    OutputPower { value, noise: Scalar::max(noise, line), systematic: 0.0 },
+                );
             }
             let peak = if self.purity >= LINE * count { amplitude } else { NOISE_PEAK * amplitude };
             if peak < lowest {
-                // The yield grows with the amplitude.
+                // The output power grows with the amplitude.
                 return edge.map_or(nothing(Finding::Outside(Outside::AmplitudeBelow)), |edge| {
                     let noise = 0.5 * edge.high * scale;
-                    one(Finding::Rest, Yield { value: 0.0, noise, systematic: 0.0 })
+                    one(Finding::Rest, OutputPower { value: 0.0, noise, systematic: 0.0 })
                 });
             }
         }
@@ -271,7 +274,7 @@ impl Blocks {
     }
 }
 
-/// The yields of the smaller and of the larger motion; the same one of one motion, `None` outside the map.
+/// The output powers of the smaller and of the larger motion; the same one of one motion, `None` outside the map.
 fn motions(response: &Response) -> Option<[Bounded; 2]> {
     match *response {
         Response::One { income, .. } => Some([income; 2]),
@@ -282,7 +285,7 @@ fn motions(response: &Response) -> Option<[Bounded; 2]> {
 }
 
 /// The answer of the map, at the voltage of the storage where it has slices.
-fn look_up<W: Words>(map: &ResponseMap<W>, amplitude: f32, frequency: f32, voltage: f32) -> Response {
+fn look_up<W: WordSource>(map: &ResponseMap<W>, amplitude: f32, frequency: f32, voltage: f32) -> Response {
     if map.is_current() {
         map.at_voltage(amplitude, frequency, voltage)
     } else {
@@ -291,15 +294,15 @@ fn look_up<W: Words>(map: &ResponseMap<W>, amplitude: f32, frequency: f32, volta
 }
 
 snapshot_variants!(Motion { Lower, Upper });
-snapshot_fields!(impl [] Yield { value, noise, systematic });
+snapshot_fields!(impl [] OutputPower { value, noise, systematic });
 
 /// One of two steady motions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) enum Motion {
-    /// That of the smaller yield.
+    /// That of the smaller output power.
     #[default]
     Lower,
-    /// That of the larger yield.
+    /// That of the larger output power.
     Upper,
 }

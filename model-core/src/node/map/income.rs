@@ -4,7 +4,7 @@
 //! integral over the time `t` is `(Δ t)²/12`. After the last burst it walks, by `c` in W² a second, which is the mean of
 //! `Δ²/t` over the bursts: over the time from `h` to `h + t` after the burst the variance of the integral is `c (h t² + t³/3)`.
 
-use super::finding::Yield;
+use super::finding::OutputPower;
 use crate::node::real;
 use crate::scalar::Scalar;
 use crate::snapshot::snapshot_fields;
@@ -19,10 +19,10 @@ const LEAST_CHANGE: f32 = 0.03;
 /// The modelled output power since the last burst.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Held {
+pub(super) struct LatestPower {
     pub(super) is_known: bool,
     /// What the last burst said.
-    pub(super) yielded: Yield,
+    pub(super) output: OutputPower,
     /// Seconds since it.
     pub(super) seconds: u32,
     /// Mean square of the change of the power in W² a second; 0 before two bursts in turn.
@@ -32,7 +32,7 @@ pub(super) struct Held {
 /// ModelledEnergy energy of a time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct ModelledEnergy {
+pub(super) struct PredictedEnergy {
     /// Seconds, and those of them of which the map says nothing.
     pub(super) seconds: u32,
     pub(super) unknown: u32,
@@ -42,7 +42,7 @@ pub(super) struct ModelledEnergy {
     pub(super) systematic: f32,
 }
 
-impl Held {
+impl LatestPower {
     /// Whether the last burst was taken at the begin of an interval of so many seconds that ends now.
     pub(super) fn is_since(&self, interval: u32) -> bool {
         self.is_known && self.seconds.abs_diff(interval) <= interval / 8 + 1
@@ -51,18 +51,18 @@ impl Held {
     /// Mean square of the change of the power in W² a second, for a harvester of a `largest` power in W.
     pub(super) fn change(&self, largest: f32) -> f32 {
         let least = LEAST_CHANGE * largest;
-        let expected = if self.change > 0.0 { 0.0 } else { EXPECTED * self.yielded.value };
+        let expected = if self.change > 0.0 { 0.0 } else { EXPECTED * self.output.value };
         Scalar::max(self.change, Scalar::max(least * least, expected * expected) * (1.0 / 3600.0))
     }
 
     /// Variance of the power now in W².
     pub(super) fn variance(&self, largest: f32) -> f32 {
-        self.yielded.noise * self.yielded.noise + self.change(largest) * real(self.seconds)
+        self.output.noise * self.output.noise + self.change(largest) * real(self.seconds)
     }
 
     /// A time passes. What is held adds to `sums`.
-    pub(super) fn pass(&mut self, seconds: u32, sums: [&mut ModelledEnergy; 2]) {
-        let Yield { value, noise, systematic } = self.yielded;
+    pub(super) fn pass(&mut self, seconds: u32, sums: [&mut PredictedEnergy; 2]) {
+        let OutputPower { value, noise, systematic } = self.output;
         for sum in sums {
             if self.is_known {
                 // The noise of a burst is the same for as long as it is held.
@@ -80,21 +80,21 @@ impl Held {
     }
 
     /// A burst says what the power is now.
-    pub(super) fn hear(&mut self, yielded: Yield, sums: [&mut ModelledEnergy; 2]) {
-        let step = yielded.value - self.yielded.value;
+    pub(super) fn update(&mut self, output: OutputPower, sums: [&mut PredictedEnergy; 2]) {
+        let step = output.value - self.output.value;
         if self.is_known {
             for sum in sums {
                 let moved = step * real(self.seconds.min(sum.seconds));
                 sum.energy = Scalar::max(sum.energy + 0.5 * moved, 0.0);
                 sum.variance += moved * moved * (1.0 / 12.0);
             }
-            let noise = yielded.noise * yielded.noise + self.yielded.noise * self.yielded.noise;
+            let noise = output.noise * output.noise + self.output.noise * self.output.noise;
             let change = Scalar::max(step * step - noise, 0.0) / real(self.seconds.max(1));
             let weight = if self.change > 0.0 { NEWEST } else { 1.0 };
             // A walk that has been seen is not taken for none.
             self.change = Scalar::max(self.change + weight * (change - self.change), f32::MIN_POSITIVE);
         }
-        (self.is_known, self.yielded, self.seconds) = (true, yielded, 0);
+        (self.is_known, self.output, self.seconds) = (true, output, 0);
     }
 
     /// A burst had no value.
@@ -103,19 +103,19 @@ impl Held {
     }
 }
 
-impl ModelledEnergy {
+impl PredictedEnergy {
     /// Whether the map says something of all of the time.
     pub(super) fn is_known(&self) -> bool {
         self.unknown == 0 && self.seconds > 0
     }
 
     /// The variance of the energy in J² up to now.
-    pub(super) fn variance(&self, held: &Held, largest: f32) -> f32 {
-        let within = held.seconds.min(self.seconds);
-        let (before, time) = (real(held.seconds - within), real(within));
-        self.variance + held.change(largest) * time * time * (before + time * (1.0 / 3.0))
+    pub(super) fn variance(&self, latest: &LatestPower, largest: f32) -> f32 {
+        let within = latest.seconds.min(self.seconds);
+        let (before, time) = (real(latest.seconds - within), real(within));
+        self.variance + latest.change(largest) * time * time * (before + time * (1.0 / 3.0))
     }
 }
 
-snapshot_fields!(impl [] Held { is_known, yielded, seconds, change } if |held| held.change >= 0.0);
-snapshot_fields!(impl [] ModelledEnergy { seconds, unknown, energy, variance, systematic } if |sum| sum.variance >= 0.0);
+snapshot_fields!(impl [] LatestPower { is_known, output, seconds, change } if |latest| latest.change >= 0.0);
+snapshot_fields!(impl [] PredictedEnergy { seconds, unknown, energy, variance, systematic } if |sum| sum.variance >= 0.0);

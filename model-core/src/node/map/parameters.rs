@@ -28,7 +28,7 @@ pub struct Sensor {
     pub rate: f32,
     /// Samples after switching on that are not valid, up to 10⁴.
     pub start_up: u32,
-    /// Blocks of the bank in a burst, 1 to 64. Broadband shaking is known to 0.85 over the root of this number.
+    /// Blocks of the bank in a burst, 1 to 64. Broadband vibration is known to 0.85 over the root of this number.
     pub blocks: u32,
     /// Magnitude of a count from which on the sensor is at its end.
     pub clipped: i16,
@@ -45,7 +45,7 @@ pub struct Bursts {
     pub worth: f32,
     /// Shortest time from a burst to the next in s, 1 to 3600.
     pub shortest: u32,
-    /// Time in s from a burst to the next where the voltage tells the income, 3600 to 10⁷: it compares the map with the
+    /// Time in s from a burst to the next where the voltage resolves the income, 3600 to 10⁷: it compares the map with the
     /// storage. A part of a day would fall on the same times of each day.
     pub check: u32,
 }

@@ -10,7 +10,7 @@ use crate::node::{Converter, Regular, Tolerances, VoltageParameters};
 const RATE: u32 = 100;
 const UNIT: f64 = 9.806_65 / 1024.0;
 const CELL: f64 = 5.0 / 4096.0;
-/// Yields in W of the smaller and the larger motion by the map.
+/// Output powers in W of the smaller and the larger motion by the map.
 const YIELDS: [f64; 2] = [8e-6, 24e-6];
 /// Amplitudes in m/s² at which the map has the smaller motion, both, and the larger one.
 const LOW: f64 = 0.8;
@@ -20,7 +20,7 @@ const HIGH: f64 = 3.0;
 type OneNode<'a> = MapNode<&'a [u16], 20, 32, 1>;
 type OneState = MapState<32, 1>;
 
-/// A map of the same yields at all places, of the smaller motion below 2 m/s² and of the larger one above 1 m/s², each from 0.4 %
+/// A map of the same output powers at all places, of the smaller motion below 2 m/s² and of the larger one above 1 m/s², each from 0.4 %
 /// below to 0.8 % above.
 fn map() -> Vec<u16> {
     let mut words = head(LOWER | UPPER, [ROWS as u16 / 2; 2], 1);
@@ -154,7 +154,7 @@ impl<'a, F: Fn(u32) -> (f64, f64)> Plant<'a, F> {
 
     fn run(&mut self, until: u32) {
         while self.second < until || self.wake.task != Task::Sleep {
-            let spent = self.node.spent_on_knowing(&self.state);
+            let spent = self.node.spent_on_estimation(&self.state);
             let last = self.state.last_hour();
             let mut code = None;
             match self.wake.task {
@@ -168,10 +168,14 @@ impl<'a, F: Fn(u32) -> (f64, f64)> Plant<'a, F> {
                 }
             }
             self.wake = self.node.wake(&mut self.state, self.second, code);
-            self.energy -= f64::from(self.node.spent_on_knowing(&self.state) - spent);
+            self.energy -= f64::from(self.node.spent_on_estimation(&self.state) - spent);
             if self.state.last_hour() != last {
-                let told = self.state.last_hour().expect("an hour");
-                self.hours.push([told.energy.into(), told.bound.into(), self.harvested - self.begun]);
+                let estimated = self.state.last_hour().expect("an hour");
+                self.hours.push([
+                    estimated.energy.into(),
+                    estimated.bound.into(),
+                    self.harvested - self.begun,
+                ]);
                 self.begun = self.harvested;
             }
         }
@@ -185,8 +189,9 @@ impl<'a, F: Fn(u32) -> (f64, f64)> Plant<'a, F> {
             values.sort_by(f64::total_cmp);
             values[values.len() / 2]
         };
-        let inside = hours.iter().filter(|[told, bound, truth]| (told - truth).abs() <= *bound).count();
-        let error = median(&|[told, _, truth]| (told - truth).abs() / truth);
+        let inside =
+            hours.iter().filter(|[estimated, bound, truth]| (estimated - truth).abs() <= *bound).count();
+        let error = median(&|[estimated, _, truth]| (estimated - truth).abs() / truth);
         (hours.len(), inside, error, median(&|[_, bound, truth]| bound / truth))
     }
 }
@@ -211,7 +216,7 @@ fn what_a_full_storage_shunts_is_told_by_the_map() {
     let (hours, inside, error, bound) = plant.judge(1);
     assert!(plant.shunted > 0.5 * plant.harvested);
     assert!(inside * 100 >= 97 * hours && error < 0.05 && bound < 0.4);
-    let share = f64::from(plant.node.spent_on_knowing(&plant.state)) / plant.harvested;
+    let share = f64::from(plant.node.spent_on_estimation(&plant.state)) / plant.harvested;
     assert!(share < 0.02, "{share}");
     let sum = plant.node.overall(&plant.state);
     assert!((f64::from(sum.energy) - plant.harvested).abs() < f64::from(sum.bound), "{sum:?}");
@@ -253,7 +258,7 @@ fn an_hour_that_the_voltage_does_not_resolve_is_told_by_the_map() {
         inside * 100 >= 97 * hours && bound < by_voltage / 2.0 && error < 0.06,
         "{inside} {error} {bound} {by_voltage}"
     );
-    let share = f64::from(plant.node.spent_on_knowing(&plant.state)) / plant.harvested;
+    let share = f64::from(plant.node.spent_on_estimation(&plant.state)) / plant.harvested;
     assert!(share < 0.02, "{share}");
 }
 
@@ -273,8 +278,8 @@ fn the_storage_decides_which_of_two_motions_goes_on() {
         assert_eq!(plant.findings.last(), Some(&Finding::TwoMotionsOneSeen));
         plant.state.voltage = plant.node.voltage.start(plant.second);
         // The map alone.
-        let [told, bound] = plant.node.power(&plant.state);
-        assert!((f64::from(told) - power).abs() < f64::from(bound), "{motion}: {told} {bound}");
+        let [estimated, bound] = plant.node.power(&plant.state);
+        assert!((f64::from(estimated) - power).abs() < f64::from(bound), "{motion}: {estimated} {bound}");
         assert!(f64::from(bound) < 0.4 * power);
     }
 }
@@ -322,7 +327,7 @@ fn a_burst_that_is_lost_or_damaged_has_no_value_and_the_next_one_waits() {
     // Later than its end.
     let wake = node.wake(&mut state, 60, Some(3000));
     assert_eq!((wake.task, node.samples(&mut state, &[1000; 100])), (Task::Sleep, Progress::Idle));
-    assert!(!state.held.is_known && state.misses == 1);
+    assert!(!state.latest.is_known && state.misses == 1);
     state.ask_for_burst();
     let Task::Burst { samples } = node.wake(&mut state, 120, Some(3001)).task else { panic!("no burst") };
     node.samples_lost(&mut state);
@@ -331,7 +336,7 @@ fn a_burst_that_is_lost_or_damaged_has_no_value_and_the_next_one_waits() {
     node.wake(&mut state, 130, None);
     state.ask_for_burst();
     assert!(matches!(node.wake(&mut state, 240, Some(3002)).task, Task::Burst { .. }));
-    let wake = node.wake_after(&mut state, Gap::OnUntil(241), None);
+    let wake = node.wake_after(&mut state, Outage::OnUntil(241), None);
     assert_eq!((wake.task, node.samples(&mut state, &[1000; 100])), (Task::Sleep, Progress::Idle));
 }
 

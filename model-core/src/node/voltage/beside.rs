@@ -15,15 +15,15 @@ pub(in crate::node) struct Beside {
     pub(in crate::node) bound: f32,
 }
 
-/// A harvested power in W that the storage told, the variance of its error, and the part of that which is the same at all times.
+/// A harvested power in W by the voltage of the storage, the variance of its error, and the part of that which is the same at all times.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(in crate::node) struct Told {
+pub(in crate::node) struct VoltageEstimate {
     pub(in crate::node) power: f32,
     pub(in crate::node) variance: f32,
     pub(in crate::node) lasting: f32,
 }
 
-snapshot_fields!(impl [] Told { power, variance, lasting });
+snapshot_fields!(impl [] VoltageEstimate { power, variance, lasting });
 
 impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     /// A harvested energy in J of a stored one.
@@ -43,11 +43,11 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         Scalar::min(voltage, storage.highest_voltage)
     }
 
-    /// What the last two readings tell.
-    pub(in crate::node) fn told(&self, state: &VoltageState<ACTIONS>) -> Told {
+    /// The estimate by the last two readings.
+    pub(in crate::node) fn estimated(&self, state: &VoltageState<ACTIONS>) -> VoltageEstimate {
         let per_time = self.per_stored / real(state.over.max(1));
         let lasting = self.lasting_error(state.income, self.standing * real(state.over));
-        Told {
+        VoltageEstimate {
             power: state.income * per_time,
             variance: state.of_income * per_time * per_time,
             lasting: lasting * per_time * per_time,

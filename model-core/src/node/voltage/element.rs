@@ -158,8 +158,8 @@ mod tests {
                 energy += 1e-6 * (voltage + 0.5e-6) * capacitance(voltage);
                 voltage += 1e-6;
             }
-            let told = f64::from(NODE.element.energy(code));
-            assert!((told - energy).abs() < 1e-3 + 4e-5 * energy, "{code}: {told} {energy}");
+            let estimated = f64::from(NODE.element.energy(code));
+            assert!((estimated - energy).abs() < 1e-3 + 4e-5 * energy, "{code}: {estimated} {energy}");
             let slope = f64::from(NODE.noise * NODE.element.square_of_slope(NODE.element.energy(code)));
             let expected = (1e-6 + cell * cell / 12.0) * (capacitance(voltage) * voltage).powi(2);
             let is_corner = [3.2, 3.3].iter().any(|corner| (voltage - corner).abs() < cell);
@@ -176,9 +176,9 @@ mod tests {
         // 10 µW at the storage less 24.5 µW, at 3 V: 14.5 mV above the open-circuit voltage.
         let code = (3.1145 * 4096.0 / 5.0_f32).round() as u32;
         let open = (3.1 * 4096.0 / 5.0_f32).round() as u32;
-        let [told, expected] = [node.element.energy(code), NODE.element.energy(open)];
+        let [estimated, expected] = [node.element.energy(code), NODE.element.energy(open)];
         // 14.5 mV are 54 mJ, a half of a code 2 mJ.
-        assert!((told - expected).abs() < 5e-3, "{told} {expected}");
+        assert!((estimated - expected).abs() < 5e-3, "{estimated} {expected}");
         // 49 µW through 3 kΩ at 3 V, evenly between 0 and that.
         let of_drop = (0.049_f32 * 0.049) / 12.0;
         assert!((node.noise / NODE.noise - 1.0 - of_drop / (1e-6 + 1.242e-7)).abs() < 1.0, "{}", node.noise);

@@ -225,16 +225,16 @@ fn a_full_storage_is_silent_and_its_bound_has_what_is_shunted() {
 #[test]
 fn the_income_of_a_gap_is_inside_its_bound() {
     for (gap, is_on) in [
-        (Gap::OnUntil as fn(u32) -> Gap, true),
-        (Gap::OffUntil, false),
-        (Gap::LockedOutUntil, false),
-        (|_| Gap::Unknown, false),
+        (Outage::OnUntil as fn(u32) -> Outage, true),
+        (Outage::OffUntil, false),
+        (Outage::LockedOutUntil, false),
+        (|_| Outage::Unknown, false),
     ] {
         let mut tank = Tank::new(NOT, day);
         let mut state = NODE.start(0);
         tank.run(&NODE, &mut state, 6 * 3600 + 1000);
         let image = state;
-        if gap(0) != Gap::OffUntil(0) {
+        if gap(0) != Outage::OffUntil(0) {
             // What is done after the image is lost.
             tank.run(&NODE, &mut state, 6 * 3600 + 2800);
         }
@@ -245,7 +245,7 @@ fn the_income_of_a_gap_is_inside_its_bound() {
         let code = tank.code();
         tank.wake = NODE.wake_after(&mut state, gap(tank.second), Some(code));
         let clock = tank.second - state.second;
-        assert_eq!(clock, if gap(0) == Gap::Unknown { tank.second - image.second } else { 0 });
+        assert_eq!(clock, if gap(0) == Outage::Unknown { tank.second - image.second } else { 0 });
         let after = NODE.overall(&state);
         // Of the gap that no clock knows nothing is said.
         let truth = if clock > 0 {

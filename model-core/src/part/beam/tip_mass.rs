@@ -105,12 +105,12 @@ impl<S: Scalar> Cantilever<S> {
 
     /// As `Cantilever::residual_compliance`, of the modes with `body` at the tip: all of them together have the same
     /// compliance `(s L)³/3EI`, which does not depend on masses.
-    pub(crate) fn residual_compliance_with(&self, body: &TipMass<S>, place: S, kept: u32) -> S {
-        let last = kept + SUMMED;
+    pub(crate) fn residual_compliance_with(&self, body: &TipMass<S>, place: S, modes: u32) -> S {
+        let last = modes + SUMMED;
         let beam_mass = self.mass_per_length * self.length;
         let mut sum = S::ZERO;
         let mut weight = S::ONE;
-        for number in (kept + 1..=last).rev() {
+        for number in (modes + 1..=last).rev() {
             let mode = self.mode_with(body, number);
             let shape = mode.shape(place).value;
             let ratio = shape / mode.angular_frequency;

@@ -14,7 +14,7 @@
 //! the least.
 
 use crate::scalar::Scalar;
-use crate::scene::CheckedError;
+use crate::scene::StepDoublingError;
 use crate::snapshot::snapshot_fields;
 
 /// The error of a step over its difference from two of half the length, in a method of first order.
@@ -81,7 +81,7 @@ impl<S: Scalar> Checks<S> {
     }
 
     /// The statement; `None` before the first check.
-    pub(super) fn error(&self, angular_frequency: S) -> Option<CheckedError<S>> {
+    pub(super) fn error(&self, angular_frequency: S) -> Option<StepDoublingError<S>> {
         if self.count == 0 {
             return None;
         }
@@ -93,7 +93,7 @@ impl<S: Scalar> Checks<S> {
         let share = S::from_u32(self.diverging) / count;
         let irregular = (S::from_f64(DIVERGING) * share).min(S::ONE);
         let radians = S::from_f64(core::f64::consts::TAU) * S::from_u32(self.periods.max(1));
-        Some(CheckedError { relative, irregular, power: self.energy * angular_frequency / radians })
+        Some(StepDoublingError { relative, irregular, power: self.energy * angular_frequency / radians })
     }
 
     pub(super) fn add(&mut self, check: &Check<S>) {

@@ -4,7 +4,7 @@ use core::fmt::Debug;
 
 use crate::bounds::ParameterError;
 use crate::observer::StorageOutput;
-use crate::part::bridge_step::{BridgeStep, Passed};
+use crate::part::bridge_step::{BridgeCharge, BridgeStep};
 use crate::part::circuit::{CircuitStep, LinearCircuitStep};
 use crate::part::load::{Load, Resistance};
 use crate::part::rectifier::FullBridge;
@@ -72,7 +72,7 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
         flow: &StepCurrent<S>,
         state: &mut Self::State,
         account: &mut StorageAccount<S>,
-    ) -> Passed<S>;
+    ) -> BridgeCharge<S>;
 
     /// Energy in J delivered to the load in a step with this mean square voltage in V².
     fn delivered(step: &Self::Step, mean_square_voltage: S, account: &StorageAccount<S>) -> S;
@@ -169,8 +169,8 @@ impl<S: Scalar, L: Load<S>> Circuit<S> for Resistive<L> {
         flow: &StepCurrent<S>,
         _state: &mut (),
         _account: &mut StorageAccount<S>,
-    ) -> Passed<S> {
-        Passed { charge: step.charge_by_mean * flow.mean_voltage, mean_square_voltage: None }
+    ) -> BridgeCharge<S> {
+        BridgeCharge { charge: step.charge_by_mean * flow.mean_voltage, mean_square_voltage: None }
     }
 
     #[inline]
@@ -262,7 +262,7 @@ impl<S: Scalar, R: StorageElement<S>> Circuit<S> for FullBridge<S, R> {
         flow: &StepCurrent<S>,
         state: &mut StorageState<S>,
         account: &mut StorageAccount<S>,
-    ) -> Passed<S> {
+    ) -> BridgeCharge<S> {
         step.conclude(self, [flow.voltage, flow.charge], state, account)
     }
 

@@ -42,7 +42,7 @@ pub struct Fibre<S> {
 impl<S: Scalar> Fibre<S> {
     /// Bending strain at a curvature in 1/m, with the sign of the curvature.
     ///
-    /// One outer fibre is in tension where the other is in compression: the sign does not tell which.
+    /// One outer fibre is in tension where the other is in compression: the sign does not say which.
     #[must_use]
     pub fn strain(&self, curvature: S) -> S {
         self.distance * curvature

@@ -2,7 +2,7 @@
 
 use super::choices::ContactOf;
 use super::contact_law::{ContactKind, ContactLaw};
-use super::reach::Flight;
+use super::gap_bound::Flight;
 use super::state::StateOf;
 use super::stepper::{LEVELS, PairOf, Stepper};
 use super::trial::Trial;

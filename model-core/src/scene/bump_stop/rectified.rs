@@ -74,12 +74,12 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             (by_base * open.inverse(), one.scaled(self.elastance))
         };
         let swing = charge.magnitude() - blocked;
-        let passed = if conducts { S::from_f64(4.0) * frequency * swing.max(S::ZERO) } else { S::ZERO };
+        let transferred = if conducts { S::from_f64(4.0) * frequency * swing.max(S::ZERO) } else { S::ZERO };
         let voltage = charge * of_charge;
         let coupling = if conducts { by_voltage.magnitude() * self.elastance } else { S::ZERO };
         let [reaches, in_transient] = self.clearance(&response, amplitude.abs(), voltage);
         ClosedForm {
-            mean_power: bus_voltage * passed,
+            mean_power: bus_voltage * transferred,
             rms_voltage: rms_behind_bridge(charge.magnitude() * self.elastance, bridge),
             amplitude: response.tip_amplitude(amplitude.abs(), voltage),
             validity: Validity::of([
@@ -163,6 +163,6 @@ fn rms_behind_bridge<S: Scalar>(open: S, bridge: S) -> S {
     let blocked = S::from_f64(core::f64::consts::FRAC_PI_2) - arcsine(cosine);
     let rising = (middle * middle + half * open * open) * blocked - (middle + middle) * open * sine
         + half * open * open * sine * cosine;
-    let held = (S::from_f64(core::f64::consts::PI) - blocked) * bridge * bridge;
-    ((rising + held) * S::from_f64(core::f64::consts::FRAC_1_PI)).sqrt()
+    let conducting = (S::from_f64(core::f64::consts::PI) - blocked) * bridge * bridge;
+    ((rising + conducting) * S::from_f64(core::f64::consts::FRAC_1_PI)).sqrt()
 }

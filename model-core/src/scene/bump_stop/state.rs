@@ -145,9 +145,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             let [[stop, _], [face, _]] = [self.stop_point(&moved), self.rod_tip(&moved)];
             moved.gap = stop - face - self.gap - state.drift;
         }
-        let yields = matches!(self.contact.kind(), ContactKind::Compliant | ContactKind::None);
+        let is_compliant = matches!(self.contact.kind(), ContactKind::Compliant | ContactKind::None);
         // `!(gap > 0)` would take not-a-number for an open gap.
-        (moved.gap <= S::ZERO || yields && moved.gap.is_finite()).then_some(moved)
+        (moved.gap <= S::ZERO || is_compliant && moved.gap.is_finite()).then_some(moved)
     }
 }
 

@@ -4,7 +4,7 @@ use super::choices::ContactOf;
 use super::circuit::Circuit;
 use super::contact_law::{ContactKind, ContactLaw};
 use super::energies::GramianSet;
-use super::reach::{Flight, Reach};
+use super::gap_bound::{Flight, GapBound};
 use super::state::StateOf;
 use super::step_set::StepSetOf;
 use super::trial::Trial;
@@ -33,7 +33,7 @@ pub(super) const LEVELS: usize = 4;
 /// A bump-stop harvester with its step lengths, and the coefficients of a bound on the gap within a step.
 ///
 /// The gap cannot reach zero within a step if `max(g, g⁺)` is below zero by more than the gap can depart from a straight
-/// line (`Reach`). A longer step is attempted if the free motion leaves the gap open, and is taken if the whole bound
+/// line (`GapBound`). A longer step is attempted if the free motion leaves the gap open, and is taken if the whole bound
 /// does. Between the short step and the long one are their geometric mean, and the geometric mean of that and the short
 /// step: most steps near contact are limited by the gap.
 ///
@@ -47,7 +47,7 @@ pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const
     /// From the long step to the short one.
     pub(super) sets: [StepSetOf<S, P, B, R>; LEVELS],
     /// Of all steps but the short one.
-    reaches: [Reach<S, B, R>; LEVELS - 1],
+    reaches: [GapBound<S, B, R>; LEVELS - 1],
     gramians: [[GramianSet<S, B, R>; LEVELS]; ALL],
 }
 
@@ -111,7 +111,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     #[inline(always)]
     pub(super) fn of_ticks(scene: BumpStop<S, P, B, R>, [a, b, c, d]: [u32; LEVELS]) -> Self {
         // Not by a map, which would need the space of all sets twice.
-        let reach = |ticks| Reach::new(&scene, seconds_of_ticks(ticks));
+        let reach = |ticks| GapBound::new(&scene, seconds_of_ticks(ticks));
         Self {
             gramians: core::array::from_fn(|_| [a, b, c, d].map(|ticks| GramianSet::new(&scene, ticks))),
             reaches: [reach(a), reach(b), reach(c)],

@@ -16,7 +16,7 @@ pub(crate) trait TipMassChoice<S: Scalar>: Copy + Debug + PartialEq {
     fn mode(&self, beam: &Cantilever<S>, number: u32) -> BeamMode<S>;
 
     /// Static compliance in m/N at `place` of the modes after the first `kept`.
-    fn residual_compliance(&self, beam: &Cantilever<S>, place: S, kept: u32) -> S;
+    fn residual_compliance(&self, beam: &Cantilever<S>, place: S, modes: u32) -> S;
 
     /// Moment in N·m at the clamp per negative base acceleration in m/s², of the mass of the beam, `beam_moment`, and of
     /// the tip mass.
@@ -38,8 +38,8 @@ impl<S: Scalar> TipMassChoice<S> for NoTipMass {
     }
 
     #[inline(always)]
-    fn residual_compliance(&self, beam: &Cantilever<S>, place: S, kept: u32) -> S {
-        beam.residual_compliance(place, kept)
+    fn residual_compliance(&self, beam: &Cantilever<S>, place: S, modes: u32) -> S {
+        beam.residual_compliance(place, modes)
     }
 
     #[inline]
@@ -60,8 +60,8 @@ impl<S: Scalar> TipMassChoice<S> for TipMass<S> {
     }
 
     #[inline(always)]
-    fn residual_compliance(&self, beam: &Cantilever<S>, place: S, kept: u32) -> S {
-        beam.residual_compliance_with(self, place, kept)
+    fn residual_compliance(&self, beam: &Cantilever<S>, place: S, modes: u32) -> S {
+        beam.residual_compliance_with(self, place, modes)
     }
 
     #[inline]
@@ -84,10 +84,10 @@ impl<S: Scalar> TipMassChoice<S> for Option<TipMass<S>> {
         }
     }
 
-    fn residual_compliance(&self, beam: &Cantilever<S>, place: S, kept: u32) -> S {
+    fn residual_compliance(&self, beam: &Cantilever<S>, place: S, modes: u32) -> S {
         match self {
-            Some(body) => body.residual_compliance(beam, place, kept),
-            None => NoTipMass.residual_compliance(beam, place, kept),
+            Some(body) => body.residual_compliance(beam, place, modes),
+            None => NoTipMass.residual_compliance(beam, place, modes),
         }
     }
 

@@ -251,13 +251,13 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         end: &mut StateOf<S, P, B, R>,
         account: &mut StorageAccount<S>,
     ) -> Option<S> {
-        let passed = self.load.conclude(&set.circuit, flow, &mut end.circuit, account);
+        let transferred = self.load.conclude(&set.circuit, flow, &mut end.circuit, account);
         (end.moved_charge, end.charge_remainder) = if self.load.is_short() {
             (end.strain_charge, moved[1])
         } else {
-            add_increment(moved[0], moved[1], passed.charge)
+            add_increment(moved[0], moved[1], transferred.charge)
         };
-        passed.mean_square_voltage
+        transferred.mean_square_voltage
     }
 
     /// Whether impacts are located: only then does the state keep a closed contact and a drift.

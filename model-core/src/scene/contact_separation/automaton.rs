@@ -140,10 +140,10 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         let impact_speed = point.state[VELOCITY].abs();
         let rebound = self.restitution.coefficient(impact_speed) * impact_speed;
         let charge = point.state[CHARGE];
-        let held = P::Sticking::POSSIBLE
+        let sticks = P::Sticking::POSSIBLE
             && rebound < self.stick_speed
             && self.contact_force_per_mass(charge, acceleration) > S::ZERO;
-        let (mode, speed) = if held { (Mode::Stick, S::ZERO) } else { (Mode::Free, rebound) };
+        let (mode, speed) = if sticks { (Mode::Stick, S::ZERO) } else { (Mode::Free, rebound) };
         let half_mass = S::from_f64(0.5) * self.mass;
         let loss = half_mass * (impact_speed - speed) * (impact_speed + speed);
         let mut jump = self.leave_contact(mode, speed, point, acceleration, loss);

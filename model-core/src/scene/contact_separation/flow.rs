@@ -183,15 +183,15 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         acceleration: S,
     ) -> [S; STATES] {
         let scene = self.scene;
-        let [displacement, _, passed] = *change;
+        let [displacement, _, transferred] = *change;
         let charge_rate =
-            self.equation(start, displacement).map_or(S::ZERO, |equation| equation.rate(passed));
+            self.equation(start, displacement).map_or(S::ZERO, |equation| equation.rate(transferred));
         if self.is_stick() {
             return [S::ZERO, S::ZERO, charge_rate];
         }
         let velocity = start.state[VELOCITY] + change[VELOCITY];
         let deflection = ((start.state[GAP] - scene.initial_gap) + start.remainder[GAP]) + displacement;
-        let circuit = scene.circuit(start.state[GAP] + displacement, start.state[CHARGE] + passed);
+        let circuit = scene.circuit(start.state[GAP] + displacement, start.state[CHARGE] + transferred);
         let force = self.pull(deflection, velocity, &circuit);
         [velocity, -force - acceleration, charge_rate]
     }

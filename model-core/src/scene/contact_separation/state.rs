@@ -68,10 +68,10 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         };
         let acceleration = excitation.acceleration(Instant::START);
         let at_contact = gap == S::ZERO && velocity == S::ZERO;
-        let held = P::Sticking::POSSIBLE
+        let sticks = P::Sticking::POSSIBLE
             && at_contact
             && self.contact_force_per_mass(charge, acceleration) > S::ZERO;
-        let mode = if held { Mode::Stick } else { Mode::Free };
+        let mode = if sticks { Mode::Stick } else { Mode::Free };
         let mut state = HybridState::start(self, mode, [gap, velocity, charge], excitation, control);
         if start.charge.is_none() {
             // The voltage is exactly zero. Computed as a difference it would be a rounding error, which a small
@@ -84,7 +84,7 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
                 acceleration,
             );
         }
-        Ok(if at_contact && !held { state.disarmed() } else { state })
+        Ok(if at_contact && !sticks { state.disarmed() } else { state })
     }
 }
 

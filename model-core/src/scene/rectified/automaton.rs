@@ -165,18 +165,18 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         let mut mode = mode;
         if leaving {
             let Electrics { charge, gained, storage_voltage, .. } = self.electrics(mode, &state);
-            let mut passed = charge - state[CHARGE];
+            let mut transferred = charge - state[CHARGE];
             if storage_voltage < S::ZERO {
                 // Emptied to within the error of the step: conduction ends at no voltage, and at the threshold of that.
                 let terminal = self.harvester.port_voltage(mode.inner, state[POSITION], state[CHARGE]);
                 let threshold = mode.regime.sign::<S>() * self.bridge.threshold(S::ZERO);
-                passed = (threshold - terminal.value) / terminal.by_charge;
+                transferred = (threshold - terminal.value) / terminal.by_charge;
                 (state[STORAGE], remainder[STORAGE]) = (S::ZERO, S::ZERO);
             } else {
                 (state[STORAGE], remainder[STORAGE]) =
                     add_increment(state[STORAGE], remainder[STORAGE], gained);
             }
-            (state[CHARGE], remainder[CHARGE]) = add_increment(state[CHARGE], remainder[CHARGE], passed);
+            (state[CHARGE], remainder[CHARGE]) = add_increment(state[CHARGE], remainder[CHARGE], transferred);
             mode.regime = BridgeRegime::Blocked;
         }
         let flow = Flow { scene: self, mode };
@@ -280,15 +280,15 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         if let GuardKind::Begin(regime) = self.guard_kind(mode, index) {
             let sign: S = regime.sign();
             let at = self.electrics(after.mode, &after.state);
-            let passed = sign * self.harvester.coulombs() * (at.charge - after.state[CHARGE]);
+            let transferred = sign * self.harvester.coulombs() * (at.charge - after.state[CHARGE]);
             let base = point.state[STORAGE];
             let drop = self.bridge.diode_drop;
             let half = S::from_f64(0.5);
             // V(x, Q0) − s (B + 2 V_D), which falls to the rise of the storage voltage as the charge passes.
             let excess = sign * (at.charge - after.state[CHARGE]) / at.charge_by_voltage;
-            energies[PowerIndex::Load as usize] = passed * (base + half * at.gained);
-            energies[PowerIndex::CurrentMagnitude as usize] = passed;
-            energies[PowerIndex::Diodes as usize] = passed * (drop + drop + half * excess);
+            energies[PowerIndex::Load as usize] = transferred * (base + half * at.gained);
+            energies[PowerIndex::CurrentMagnitude as usize] = transferred;
+            energies[PowerIndex::Diodes as usize] = transferred * (drop + drop + half * excess);
         }
         first_powers(&energies)
     }

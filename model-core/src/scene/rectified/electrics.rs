@@ -9,7 +9,7 @@ pub(super) struct Electrics<S> {
     /// Charge that has passed the terminals, in charge units.
     pub(super) charge: S,
     /// `ΔQ` in charge units.
-    pub(super) passed: S,
+    pub(super) transferred: S,
     /// `s ΔQ/C_s` in V: rise of the storage voltage since conduction began.
     pub(super) gained: S,
     /// `V_s` in V.
@@ -47,7 +47,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         if mode.regime == BridgeRegime::Blocked {
             return Electrics {
                 charge: start,
-                passed: S::ZERO,
+                transferred: S::ZERO,
                 gained: S::ZERO,
                 storage_voltage: base,
                 fall: fall_at(base),
@@ -59,16 +59,16 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         let sign: S = mode.regime.sign();
         let terminal = self.harvester.port_voltage(mode.inner, state[POSITION], start);
         let charge_by_voltage = S::ONE / (self.elastance - terminal.by_charge);
-        let passed = (terminal.value - sign * self.bridge.threshold(base)) * charge_by_voltage;
-        let gained = sign * passed * self.elastance;
+        let transferred = (terminal.value - sign * self.bridge.threshold(base)) * charge_by_voltage;
+        let gained = sign * transferred * self.elastance;
         let storage_voltage = base + gained;
         Electrics {
-            charge: start + passed,
-            passed,
+            charge: start + transferred,
+            transferred,
             gained,
             storage_voltage,
             fall: fall_at(storage_voltage),
-            voltage_by_position: terminal.by_position + terminal.by_both * passed,
+            voltage_by_position: terminal.by_position + terminal.by_both * transferred,
             charge_by_voltage,
             share: -terminal.by_charge * charge_by_voltage,
         }

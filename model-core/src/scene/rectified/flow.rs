@@ -95,7 +95,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
     #[inline]
     fn factor(&self, state: &[S; STATES], _acceleration: S, weight: S) -> Option<ModeFactor<S>> {
         if self.is_stick() {
-            return Some(ModeFactor::held(weight, S::ZERO));
+            return Some(ModeFactor::at_rest(weight, S::ZERO));
         }
         let (at, own) = self.parts(state);
         let open = self.scene.harvester.derivatives(self.mode.inner, &own);
@@ -168,7 +168,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         let scene = self.scene;
         let [from, to] = [start, end].map(|state| scene.electrics(self.mode, state));
         let sign: S = self.mode.regime.sign();
-        let charge = sign * scene.harvester.coulombs() * (to.passed - from.passed);
+        let charge = sign * scene.harvester.coulombs() * (to.transferred - from.transferred);
         let drop = scene.bridge.diode_drop;
         let known = [
             (PowerIndex::Load, S::from_f64(0.5) * (from.storage_voltage + to.storage_voltage) * charge),

@@ -52,8 +52,8 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         // Conduction ends and its charge is added to the state. If the storage is now below the harvester, the event
         // that is due restarts conduction and accounts for the instantaneous charge.
         let Point { state: mut now, mut remainder, .. } = state.point;
-        let passed = self.electrics(state.mode, &now).charge - now[CHARGE];
-        (now[CHARGE], remainder[CHARGE]) = add_increment(now[CHARGE], remainder[CHARGE], passed);
+        let transferred = self.electrics(state.mode, &now).charge - now[CHARGE];
+        (now[CHARGE], remainder[CHARGE]) = add_increment(now[CHARGE], remainder[CHARGE], transferred);
         (now[STORAGE], remainder[STORAGE]) = (voltage, S::ZERO);
         state.mode.regime = BridgeRegime::Blocked;
         state.point =

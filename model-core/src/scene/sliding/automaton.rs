@@ -318,15 +318,15 @@ mod tests {
     #[test]
     fn the_driver_locates_releases_where_the_closed_form_has_them() {
         let scene = parameters().build().expect("in bounds");
-        let shaking = [0.30 * GRAVITY, 6.0];
-        let sine = Sine::<f64>::new(shaking[0], shaking[1], 0.0).expect("valid");
+        let vibration = [0.30 * GRAVITY, 6.0];
+        let sine = Sine::<f64>::new(vibration[0], vibration[1], 0.0).expect("valid");
         let driver =
             Driver { pause_at_events: true, ..Driver::new(TrBdf2, Adaptive::new(1e-6).expect("in bounds")) };
         let mut state = scene.start::<_, _, 1>(&Start::default(), &sine, &driver.control).expect("in bounds");
         let mut releases = 0;
         let end = Instant::from_whole_seconds(3);
         loop {
-            let expected = release_in(&scene, &state, shaking);
+            let expected = release_in(&scene, &state, vibration);
             let (before, since) = (state.mode, state.clock.seconds::<f64>());
             let advance = driver.advance(&scene, &mut state, &sine, end, u32::MAX, &mut ()).expect("runs");
             if advance.ended == Ended::Finished {

@@ -10,7 +10,7 @@ use model_core::scene::bump_stop::{
     Restitution, Start, Stepper, Stop,
 };
 
-use super::setup::{Touches, baseline, seconds, shaking};
+use super::setup::{Touches, baseline, seconds, vibration};
 
 #[test]
 fn energy_is_conserved_by_every_step_without_damping_and_load() {
@@ -53,7 +53,7 @@ fn with_damping_load_and_shaking_the_ledger_closes() {
             parameters.choices.coupling = coupling;
             let scene = parameters.build::<6, 2>().expect("valid");
             let stepper = Stepper::with_all_powers(scene, step, step.max(2e-5)).expect("in bounds");
-            let excitation = shaking();
+            let excitation = vibration();
             let mut state = scene.start(&Start::default(), &excitation).expect("valid");
             let mut ledger = Ledger::open(&stepper.outputs(&state));
             stepper.advance(&mut state, &excitation, seconds(0.05), u32::MAX, &mut ledger).expect("runs");
@@ -73,7 +73,7 @@ fn with_damping_load_and_shaking_the_ledger_closes() {
 fn a_long_step_is_only_taken_where_no_contact_can_be() {
     // The same run with long steps and without touches at the same times.
     let scene = baseline::<f64>().build::<10, 10>().expect("valid");
-    let excitation = shaking();
+    let excitation = vibration();
     let run = |long: f64| {
         let stepper = Stepper::with_all_powers(scene, 5e-7, long).expect("in bounds");
         let mut state = scene.start(&Start::default(), &excitation).expect("valid");
@@ -109,7 +109,7 @@ fn bits_do_not_depend_on_capacity_budget_or_run_time_choice() {
         damping_ratio: any.damping_ratio,
         choices: Choices::new(Resistor { resistance: 1e6 }).stop(stop),
     };
-    let excitation = shaking::<f32>();
+    let excitation = vibration::<f32>();
     let exact = Stepper::new(fixed.build::<4, 1>().expect("valid"), 2e-6, 5e-5).expect("in bounds");
     let roomy = Stepper::new(any.build_first::<10, 10>(4, 1).expect("valid"), 2e-6, 5e-5).expect("in bounds");
     let mut one = exact.scene().start(&Start::default(), &excitation).expect("valid");
@@ -169,7 +169,7 @@ fn a_constrained_contact_is_counted_once() {
     parameters.choices.stop.contact = AnyContact::DisplacementConstraint;
     let scene = parameters.build::<6, 2>().expect("valid");
     let stepper = Stepper::new(scene, 1e-6, 1e-6).expect("in bounds");
-    let excitation = shaking();
+    let excitation = vibration();
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     struct Intervals(u32, bool);
     impl Observer<f64> for Intervals {
@@ -193,7 +193,7 @@ fn a_run_with_impacts_resumes_with_the_same_bits() {
     parameters.choices.stop.contact = AnyContact::Restitution(Restitution { coefficient: 0.3 });
     let scene = parameters.build::<6, 1>().expect("valid");
     let stepper = Stepper::new(scene, 1e-6, 2e-5).expect("in bounds");
-    let excitation = shaking::<f32>();
+    let excitation = vibration::<f32>();
     let mut whole = scene.start(&Start::default(), &excitation).expect("valid");
     let mut divided = whole;
     let advance = stepper.advance(&mut whole, &excitation, seconds(0.02), u32::MAX, &mut ()).expect("runs");

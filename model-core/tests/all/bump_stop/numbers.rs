@@ -10,7 +10,7 @@ use model_core::scene::bump_stop::{
     AnyChoices, AnyContact, AnyCoupling, BumpStop, Parameters, Start, Stepper,
 };
 
-use super::setup::{Touches, baseline, close, measured, seconds, shaking};
+use super::setup::{Touches, baseline, close, measured, seconds, vibration};
 
 /// The first modes of the beam and of the rod.
 fn first_modes<const B: usize, const R: usize>(
@@ -60,7 +60,7 @@ fn without_a_stop_the_steady_state_is_the_frequency_response() {
         parameters.choices.coupling = coupling;
         let stepper = Stepper::with_all_powers(parameters.build::<10, 0>().expect("valid"), 5e-6, 5e-6)
             .expect("in bounds");
-        let meter = measured(&stepper, &shaking(), 2.0, 2.5);
+        let meter = measured(&stepper, &vibration(), 2.0, 2.5);
         close(meter.report().rms_voltage.expect("all powers"), volts / 2f64.sqrt(), 2e-5);
         close(meter.report().voltage.magnitude(), volts, 2e-5);
         close(meter.report().coordinate.magnitude(), metres, 2e-5);
@@ -72,7 +72,7 @@ fn without_a_stop_the_steady_state_is_the_frequency_response() {
         parameters.choices.load.0.resistance = ohms;
         let stepper = Stepper::with_all_powers(parameters.build::<6, 0>().expect("valid"), 5e-6, 5e-6)
             .expect("in bounds");
-        close(measured(&stepper, &shaking(), 2.0, 2.5).report().voltage.magnitude(), volts, 3e-5);
+        close(measured(&stepper, &vibration(), 2.0, 2.5).report().voltage.magnitude(), volts, 3e-5);
     }
 }
 
@@ -84,7 +84,7 @@ fn the_golden_trajectory_is_met_and_approached_beyond_second_order() {
     let scene = baseline::<f64>().build::<6, 2>().expect("valid");
     let run = |step: f64| {
         let stepper = Stepper::with_all_powers(scene, step, step).expect("in bounds");
-        let excitation = shaking();
+        let excitation = vibration();
         let mut state = scene.start(&Start::default(), &excitation).expect("valid");
         let mut touches = Touches::default();
         stepper.advance(&mut state, &excitation, seconds(6e-3), u32::MAX, &mut touches).expect("runs");
@@ -120,7 +120,7 @@ fn one_way_coupling_has_its_own_contacts() {
     parameters.choices.coupling = AnyCoupling::OneWay;
     let scene = parameters.build::<6, 2>().expect("valid");
     let stepper = Stepper::with_all_powers(scene, 1e-7, 1e-7).expect("in bounds");
-    let excitation = shaking();
+    let excitation = vibration();
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     let mut touches = Touches::default();
     stepper.advance(&mut state, &excitation, seconds(6e-3), u32::MAX, &mut touches).expect("runs");
@@ -138,7 +138,7 @@ fn mean_deflections_are_those_of_the_mean_force() {
     parameters.choices.stop.gap = 0.0;
     let scene = parameters.build::<4, 1>().expect("valid");
     let stepper = Stepper::with_all_powers(scene, 2e-6, 2e-5).expect("in bounds");
-    let excitation = shaking();
+    let excitation = vibration();
     let mut state = scene.start(&Start::default(), &excitation).expect("valid");
     struct Mean(f64, f64);
     impl Observer<f64> for Mean {
@@ -166,7 +166,7 @@ fn statistics_are_those_of_the_event_driven_reference() {
         let [voltage, force] = if ten {
             let stepper = Stepper::with_all_powers(parameters.build::<10, 10>().expect("valid"), 1e-6, 2e-5)
                 .expect("in bounds");
-            let meter = measured(&stepper, &shaking(), 0.5, 1.0);
+            let meter = measured(&stepper, &vibration(), 0.5, 1.0);
             [
                 meter.report().rms_voltage.expect("all powers"),
                 meter.integrals().mean(PowerIndex::ContactForce),
@@ -174,7 +174,7 @@ fn statistics_are_those_of_the_event_driven_reference() {
         } else {
             let stepper = Stepper::with_all_powers(parameters.build::<6, 2>().expect("valid"), 1e-6, 2e-5)
                 .expect("in bounds");
-            let meter = measured(&stepper, &shaking(), 0.5, 1.5);
+            let meter = measured(&stepper, &vibration(), 0.5, 1.5);
             [
                 meter.report().rms_voltage.expect("all powers"),
                 meter.integrals().mean(PowerIndex::ContactForce),
@@ -202,7 +202,7 @@ fn single_precision_has_the_statistics_of_double() {
         let single =
             Stepper::with_all_powers(single.build::<6, 1>().expect("valid"), 2e-6, 5e-5).expect("in bounds");
         let (fine, coarse) =
-            (measured(&double, &shaking(), 0.5, 10.5), measured(&single, &shaking(), 0.5, 10.5));
+            (measured(&double, &vibration(), 0.5, 10.5), measured(&single, &vibration(), 0.5, 10.5));
         let force_of_coarse = coarse.integrals().mean(PowerIndex::ContactForce);
         let force_of_fine = fine.integrals().mean(PowerIndex::ContactForce);
         println!(

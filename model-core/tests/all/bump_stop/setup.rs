@@ -11,7 +11,7 @@ use model_core::scene::bump_stop::{Parts, Start, Stepper};
 /// The baseline.
 pub(super) use crate::common::harvesters::bump_parameters as baseline;
 
-pub(super) fn shaking<S: Scalar>() -> Sine<S, S::Build> {
+pub(super) fn vibration<S: Scalar>() -> Sine<S, S::Build> {
     Sine::new(S::from_f64(20.0), S::from_f64(220.0), S::ZERO).expect("valid")
 }
 

@@ -10,7 +10,7 @@ use model_core::scene::bump_stop::{
     Stepper, TipMass,
 };
 
-use super::setup::{baseline, close, measured, seconds, shaking};
+use super::setup::{baseline, close, measured, seconds, vibration};
 
 /// Length in m, mass in kg and stiffness in N·m² of the beam.
 const LENGTH: f64 = 0.05;
@@ -110,9 +110,9 @@ fn the_steady_run_is_the_closed_form() {
         let stepper = Stepper::with_all_powers(scene, 1e-5, 1e-5).expect("in bounds");
         for frequency in [60.0, 130.0, 150.0, 900.0] {
             let exact = scene.closed_form(20.0, frequency);
-            let shaking = Sine::<f64>::new(20.0, frequency, 0.0).expect("valid");
+            let vibration = Sine::<f64>::new(20.0, frequency, 0.0).expect("valid");
             let end = 0.35 + 20.0 / frequency;
-            let found = measured(&stepper, &shaking, 0.35, end);
+            let found = measured(&stepper, &vibration, 0.35, end);
             close(found.mean_power(), exact.mean_power, 1e-4);
             close(found.report().coordinate.magnitude(), exact.amplitude, 1e-4);
         }
@@ -162,7 +162,7 @@ fn with_damping_load_and_shaking_the_ledger_closes() {
             parameters.choices.coupling = coupling;
             let scene = parameters.build::<6, 2>().expect("valid");
             let stepper = Stepper::with_all_powers(scene, step, step.max(2e-5)).expect("in bounds");
-            let excitation = shaking();
+            let excitation = vibration();
             let mut state = scene.start(&Start::default(), &excitation).expect("valid");
             let mut ledger = Ledger::open(&stepper.outputs(&state));
             let mut meter = RunMeter::new();
@@ -178,7 +178,7 @@ fn with_damping_load_and_shaking_the_ledger_closes() {
 /// A body without mass and inertia changes nothing but roundings; none at all changes no bit.
 #[test]
 fn no_body_is_a_free_end() {
-    let excitation = shaking::<f64>();
+    let excitation = vibration::<f64>();
     let power = |parameters: Parameters<f64, AnyChoices<f64>>| {
         let stepper = Stepper::with_all_powers(parameters.build::<4, 1>().expect("valid"), 2e-6, 2e-5);
         measured(&stepper.expect("in bounds"), &excitation, 0.0, 0.01).mean_power()
@@ -215,7 +215,7 @@ fn no_body_is_a_free_end() {
 
 #[test]
 fn single_precision_has_the_same_first_contacts_and_power() {
-    let excitation = (shaking::<f64>(), shaking::<f32>());
+    let excitation = (vibration::<f64>(), vibration::<f32>());
     let fine = Stepper::with_all_powers(with_block::<f64>().build::<6, 2>().expect("valid"), 1e-6, 2e-5);
     let coarse = Stepper::with_all_powers(with_block::<f32>().build::<6, 2>().expect("valid"), 1e-6, 2e-5);
     let (fine, coarse) = (fine.expect("in bounds"), coarse.expect("in bounds"));

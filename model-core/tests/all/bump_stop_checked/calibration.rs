@@ -16,7 +16,7 @@ use model_core::part::monomorph::Layer;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{
-    AnyChoices, AnyContact, Checked, Circuit, Parameters, Parts, Resistive, Stepper, TipMass,
+    AnyChoices, AnyContact, Circuit, Parameters, Parts, Resistive, StepDoubling, Stepper, TipMass,
 };
 
 /// Steps near contact and in flight, in s.
@@ -250,7 +250,7 @@ impl Case {
     {
         let scene = self.parameters(load).build::<B, R>().expect("in bounds");
         let [short, long] = pair.map(S::from_f64);
-        let checked = Checked::new(Stepper::new(scene, short, long).expect("in bounds"), every);
+        let checked = StepDoubling::new(Stepper::new(scene, short, long).expect("in bounds"), every);
         let mut estimator = Estimator::new(checked, settings(self.rate)).expect("valid");
         let samples: Vec<S> = self.samples.iter().map(|sample| S::from_f64(*sample)).collect();
         let found = follow(&mut estimator, &samples);

@@ -30,14 +30,14 @@ const INTERPOLATIONS: [Interpolation; 2] = [Interpolation::Linear, Interpolation
 const LEAST_ENERGY: f64 = 1e-10;
 
 /// A base acceleration: sines with a Gaussian envelope, or without one.
-pub(super) struct Shaking {
+pub(super) struct Vibration {
     /// Amplitude, frequency in Hz, phase, centre in s and width in s.
     parts: Vec<[f64; 5]>,
     /// m/s² for a unit of amplitude.
     scale: f64,
 }
 
-impl Shaking {
+impl Vibration {
     /// Tones, noise or bursts by turns, of a root mean square in m/s², below 0.35 of the rate.
     pub(super) fn new(
         random: &mut Random,
@@ -70,11 +70,11 @@ impl Shaking {
                 })
                 .collect(),
         };
-        let mut shaking = Self { parts, scale: 1.0 };
+        let mut vibration = Self { parts, scale: 1.0 };
         let dense = (8.0 * resonance).max(800.0);
-        let squares = shaking.samples::<f64>(dense, seconds).iter().map(|a| a * a).sum::<f64>();
-        shaking.scale = rms / (squares / (dense * seconds)).sqrt();
-        shaking
+        let squares = vibration.samples::<f64>(dense, seconds).iter().map(|a| a * a).sum::<f64>();
+        vibration.scale = rms / (squares / (dense * seconds)).sqrt();
+        vibration
     }
 
     /// The acceleration in m/s² at a time in s.
@@ -128,15 +128,15 @@ struct Case<A, B> {
 
 impl<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy> Case<A, B> {
     /// The statement against the truth for each interpolation; `None` if the input brings nothing.
-    fn compare(&self, shaking: &Shaking) -> Option<[Compared; 2]> {
+    fn compare(&self, vibration: &Vibration) -> Option<[Compared; 2]> {
         let control = Adaptive::new(self.tolerance as f32).expect("in bounds");
         let harvester: Simulation<_, _, _, 3, 1> = Simulation::new(self.single, ExponentialRadau, control);
         let found = INTERPOLATIONS.map(|interpolation| {
             let settings = Settings { interpolation, ..settings::<f32>(self.rate) };
             let mut estimator = Estimator::new(harvester, settings).expect("valid");
-            follow(&mut estimator, &shaking.samples(self.rate, self.seconds))
+            follow(&mut estimator, &vibration.samples(self.rate, self.seconds))
         });
-        let truth = self.truth(shaking, found[0].seconds.into());
+        let truth = self.truth(vibration, found[0].seconds.into());
         let compared = found.map(|found| Compared {
             error: (truth / f64::from(found.energy) - 1.0).abs(),
             stated: found.uncertainty.relative.expect("known").into(),
@@ -146,8 +146,8 @@ impl<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy> Case<A, B> {
     }
 
     /// The energy in J that is delivered in so many seconds.
-    fn truth(&self, shaking: &Shaking, seconds: f64) -> f64 {
-        let dense = shaking.dense(DENSE, self.seconds);
+    fn truth(&self, vibration: &Vibration, seconds: f64) -> f64 {
+        let dense = vibration.dense(DENSE, self.seconds);
         let trace = Sampled::new(&dense, DENSE, AfterLastSample::Silence).expect("valid");
         let exact = exact(self.double);
         let mut state = exact.start(&Default::default(), &trace).expect("starts");
@@ -171,9 +171,9 @@ fn random_input<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy>(
     let tolerance = random.between_logarithmic(1e-3, 1e-1);
     let resonance = exact(double).resonance_frequency();
     let rate = random.between_logarithmic((4.2 * resonance).max(100.0), 1000.0);
-    let shaking = Shaking::new(random, kind, resonance, rate, rms, seconds);
+    let vibration = Vibration::new(random, kind, resonance, rate, rms, seconds);
     let case = Case { single, double, tolerance, rate, seconds };
-    case.compare(&shaking).map(|compared| (rate / resonance, compared))
+    case.compare(&vibration).map(|compared| (rate / resonance, compared))
 }
 
 /// The scene in both precisions.
@@ -310,7 +310,7 @@ fn the_error_of_two_tones_is_inside_without_the_filter_and_small_with_it() {
         let tone = |frequency: f64, phase: f64| [1.0, frequency, phase, 0.0, f64::INFINITY];
         let parts = vec![tone(exact(double).resonance_frequency(), 0.0), tone(0.3 * rate, 1.0)];
         let case = Case { single, double, tolerance: 1e-2, rate, seconds: 4.0 };
-        let [linear, filter] = case.compare(&Shaking { parts, scale: 4.0 }).expect("brings something");
+        let [linear, filter] = case.compare(&Vibration { parts, scale: 4.0 }).expect("brings something");
         println!("{rate} Hz: linear {linear:?}, filter {filter:?}");
         assert!(linear.error <= linear.stated && linear.stated < 30.0 * linear.error, "{linear:?}");
         assert!(filter.error < 0.02 * linear.error && filter.error < 5e-3, "{filter:?}");

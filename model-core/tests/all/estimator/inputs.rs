@@ -4,7 +4,7 @@
 //! The truth is the energy in `f64` of the same harvester under the continuous acceleration, at the true instants. The error
 //! is the larger one of the energy and the mean power, relative to the estimate.
 
-use super::calibration::{DENSE, Shaking, contact_scenes, exact, quantile, sliding_scenes};
+use super::calibration::{DENSE, Vibration, contact_scenes, exact, quantile, sliding_scenes};
 use super::settings;
 use crate::common::Random;
 use crate::common::harvesters::bump_parameters;
@@ -15,7 +15,7 @@ use model_core::excitation::{AfterLastSample, Sampled};
 use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::part::GRAVITY;
 use model_core::scalar::Scalar;
-use model_core::scene::bump_stop::{AnyChoices, Checked, Stepper};
+use model_core::scene::bump_stop::{AnyChoices, StepDoubling, Stepper};
 use model_core::scene::{Harvester, Scene, Simulation};
 
 /// A seed on whose inputs the factors of coverage in `estimator/sensor.rs` were fitted, with two more.
@@ -59,7 +59,7 @@ const FLAWS: [Flaw; 12] = [
 /// An input to a harvester.
 struct Input {
     harvester: &'static str,
-    shaking: Shaking,
+    vibration: Vibration,
     rate: f64,
     seconds: f64,
     random: Random,
@@ -85,7 +85,7 @@ struct Run {
 impl Input {
     fn readings(&self, flaw: Flaw) -> Readings {
         let mut random = Random(self.random.0);
-        let Self { shaking, rate, seconds, .. } = self;
+        let Self { vibration, rate, seconds, .. } = self;
         let mut true_rate = *rate;
         let mut settings =
             Settings { interpolation: Interpolation::DroopCompensated, ..settings::<f32>(*rate) };
@@ -100,8 +100,8 @@ impl Input {
         }
         let count = (seconds * true_rate) as u32;
         let mut at = |n: u32| match flaw {
-            Flaw::Jitter(part) => shaking.at((f64::from(n) + part * random.normal()) / true_rate),
-            _ => shaking.at(f64::from(n) / true_rate),
+            Flaw::Jitter(part) => vibration.at((f64::from(n) + part * random.normal()) / true_rate),
+            _ => vibration.at(f64::from(n) / true_rate),
         };
         let mut values: Vec<Option<f64>> = (0..count).map(|n| Some(at(n))).collect();
         if let Flaw::Rounded(bits) | Flaw::CutOff(bits) = flaw {
@@ -161,9 +161,9 @@ impl Input {
 }
 
 /// The energies in J of a harvester at instants in s, in ascending order.
-fn energies<H: Harvester<f64>>(harvester: H, shaking: &Shaking, dense: f64, times: &[f64]) -> Vec<f64> {
+fn energies<H: Harvester<f64>>(harvester: H, vibration: &Vibration, dense: f64, times: &[f64]) -> Vec<f64> {
     let last = times.last().copied().unwrap_or(0.0);
-    let samples = shaking.dense(dense, last + 0.1);
+    let samples = vibration.dense(dense, last + 0.1);
     let trace = Sampled::new(&samples, dense, AfterLastSample::Silence).expect("valid");
     let mut state = harvester.start(&Default::default(), &trace).expect("starts");
     let mut meter = PowerMeter::<f64>::new();
@@ -187,9 +187,9 @@ fn simulated<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy>(
     let resonance = exact(double).resonance_frequency();
     let rate = random.between_logarithmic((5.0 * resonance).max(100.0), 1000.0);
     let seconds = 5.0;
-    let shaking = Shaking::new(&mut random, kind, resonance, rate, rms, seconds);
-    let input = Input { harvester, shaking, rate, seconds, random };
-    input.runs(model, flaws, |times| energies(exact(double), &input.shaking, DENSE, times))
+    let vibration = Vibration::new(&mut random, kind, resonance, rate, rms, seconds);
+    let input = Input { harvester, vibration, rate, seconds, random };
+    input.runs(model, flaws, |times| energies(exact(double), &input.vibration, DENSE, times))
 }
 
 /// A bump-stop scene of a gap in m, a damping ratio and a load in Ω, with a short and a long step in s.
@@ -206,14 +206,14 @@ fn stepper<S: Scalar>([gap, damping, load]: [f64; 3], steps: [f64; 2]) -> Steppe
 fn stepped(mut random: Random, (kind, rms): (u32, f64), flaws: &[Flaw]) -> Vec<Run> {
     let parts =
         [(3e-6, 1e-3), (0.004, 0.03), (1e4, 3e6)].map(|(low, high)| random.between_logarithmic(low, high));
-    let model = Checked::new(stepper::<f32>(parts, [6e-6, 80e-6]), 4);
+    let model = StepDoubling::new(stepper::<f32>(parts, [6e-6, 80e-6]), 4);
     let resonance = f64::from(model.resonance_frequency());
     let rate = random.between_logarithmic(5.0 * resonance, 40.0 * resonance);
     let seconds = 1.5;
-    let shaking = Shaking::new(&mut random, kind, resonance, rate, rms, seconds);
-    let input = Input { harvester: "bump-stop", shaking, rate, seconds, random };
+    let vibration = Vibration::new(&mut random, kind, resonance, rate, rms, seconds);
+    let input = Input { harvester: "bump-stop", vibration, rate, seconds, random };
     input.runs(model, flaws, |times| {
-        energies(stepper::<f64>(parts, [1e-6, 20e-6]), &input.shaking, 3.0 * DENSE, times)
+        energies(stepper::<f64>(parts, [1e-6, 20e-6]), &input.vibration, 3.0 * DENSE, times)
     })
 }
 

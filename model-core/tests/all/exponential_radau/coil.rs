@@ -82,14 +82,14 @@ impl Automaton<f64, 3, 1> for Coil {
 
 /// Mean power in W and state after half a second from a displacement of 1 mm.
 fn shake(coil: &Coil, method: impl Method<f64>, control: impl StepControl<f64>) -> (f64, [f64; 3]) {
-    let shaking = sine::<f64>(0.3, 23.0);
-    assert!(shaking.angular_frequency() > 0.0);
+    let vibration = sine::<f64>(0.3, 23.0);
+    assert!(vibration.angular_frequency() > 0.0);
     let mut state: HybridState<f64, (), 3, 1> =
-        HybridState::start(coil, (), [1e-3, 0.0, 0.0], &shaking, &control);
+        HybridState::start(coil, (), [1e-3, 0.0, 0.0], &vibration, &control);
     let mut meter = PowerMeter::new();
     let until = Instant::from_seconds(0.5).expect("in range");
     Driver::new(method, control)
-        .advance(coil, &mut state, &shaking, until, u32::MAX, &mut meter)
+        .advance(coil, &mut state, &vibration, until, u32::MAX, &mut meter)
         .expect("runs to its end");
     (meter.mean_power(), state.point.state)
 }

@@ -31,18 +31,18 @@ fn near_pull_in_the_run_is_that_of_tr_bdf2() {
     for part in [0.5, 0.9, 1.5] {
         for resistance in [1e4, 1e7, 1e9] {
             let scene = soft(part, resistance);
-            let shaking = sine(0.02, 6.0);
+            let vibration = sine(0.02, 6.0);
             let by = |method: &dyn Fn(f64) -> Found, tolerance| method(tolerance);
             let exact = by(
                 &|tolerance| {
                     let control = Adaptive::new(tolerance).expect("in bounds");
-                    run(scene, &Start::default(), TrBdf2, control, &shaking, 1.0)
+                    run(scene, &Start::default(), TrBdf2, control, &vibration, 1.0)
                 },
                 1e-8,
             );
             for (tolerance, allowed) in [(1e-3, 1e-2), (1e-6, 2e-5)] {
                 let control = Adaptive::new(tolerance).expect("in bounds");
-                let found = run(scene, &Start::default(), ExponentialRadau, control, &shaking, 1.0);
+                let found = run(scene, &Start::default(), ExponentialRadau, control, &vibration, 1.0);
                 let off = (found.power / exact.power - 1.0).abs();
                 println!(
                     "{part} of the pull-in force, {resistance:e} Ω, {tolerance:e}: off by {off:.1e}, {} attempts, {} and {} events",
@@ -61,11 +61,11 @@ fn a_fixed_step_longer_than_the_series_allows_is_shortened() {
         let mut parameters = contact_parameters::<f64>();
         parameters.damping_ratio = ratio;
         let scene = parameters.build().expect("in bounds");
-        let shaking = sine(1.0, frequency);
+        let vibration = sine(1.0, frequency);
         let control = FixedStep::of_seconds(LONGEST_STEP_S).expect("in bounds");
-        let found = run(scene, &Start::default(), ExponentialRadau, control, &shaking, 0.3);
+        let found = run(scene, &Start::default(), ExponentialRadau, control, &vibration, 0.3);
         let exact =
-            run(scene, &Start::default(), TrBdf2, Adaptive::new(1e-8).expect("in bounds"), &shaking, 0.3);
+            run(scene, &Start::default(), TrBdf2, Adaptive::new(1e-8).expect("in bounds"), &vibration, 0.3);
         let off = (found.power / exact.power - 1.0).abs();
         println!("damping ratio {ratio}, {frequency} Hz: {} attempts, off by {off:.1e}", found.attempts);
         let fastest = (2.0 * ratio * 126.5).max(core::f64::consts::TAU * frequency);
@@ -82,13 +82,13 @@ where
     let number = S::from_f64;
     let scene = contact_parameters::<S>().build().expect("in bounds");
     let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(number(0.01)).expect("in bounds"));
-    let shaking = Sine::<S>::new(number(0.2 * 9.81), number(22.0), S::ZERO).expect("in bounds");
-    let mut state = harvester.start(&contact_separation::Start::default(), &shaking).expect("in bounds");
+    let vibration = Sine::<S>::new(number(0.2 * 9.81), number(22.0), S::ZERO).expect("in bounds");
+    let mut state = harvester.start(&contact_separation::Start::default(), &vibration).expect("in bounds");
     [[15, 20], [195, 200]].map(|[from, until]| {
         let mut meter = model_core::energy::PowerMeter::new();
         let at = model_core::clock::Instant::from_whole_seconds;
-        harvester.advance(&mut state, &shaking, at(from), u32::MAX, &mut ()).expect("runs");
-        harvester.advance(&mut state, &shaking, at(until), u32::MAX, &mut meter).expect("runs");
+        harvester.advance(&mut state, &vibration, at(from), u32::MAX, &mut ()).expect("runs");
+        harvester.advance(&mut state, &vibration, at(until), u32::MAX, &mut meter).expect("runs");
         meter.mean_power().to_f64()
     })
 }

@@ -34,9 +34,9 @@ impl Contact {
 
     fn at(&self, step: f64) -> Found {
         let control = FixedStep::of_seconds(step).expect("in bounds");
-        let shaking = sine(self.gravities, self.frequency);
+        let vibration = sine(self.gravities, self.frequency);
         let start = contact_separation::Start::default();
-        run(self.scene(), &start, ExponentialRadau, control, &shaking, self.seconds)
+        run(self.scene(), &start, ExponentialRadau, control, &vibration, self.seconds)
     }
 }
 
@@ -160,8 +160,8 @@ fn ledgers_are_small_over_all_loads() {
             frequency: 20.0,
             seconds: 2.0,
         };
-        let (start, shaking) = (contact_separation::Start::default(), sine(0.3, 20.0));
-        let of_contact = run(contact.scene(), &start, ExponentialRadau, control(), &shaking, 2.0).residual;
+        let (start, vibration) = (contact_separation::Start::default(), sine(0.3, 20.0));
+        let of_contact = run(contact.scene(), &start, ExponentialRadau, control(), &vibration, 2.0).residual;
         let scene = crate::bridge::slider(resistance);
         let start = sliding::Start::default();
         let of_slide = run(scene, &start, ExponentialRadau, control(), &sine(0.36, 18.373), 2.0).residual;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use model_core::energy::response_map::Branch;
 use model_core::energy::{Response, ResponseMap};
 use model_core::excitation::{LineBank, Lines};
-use model_core::node::{Finding, Modelled};
+use model_core::node::{Finding, PredictedPower};
 
 use host_bench::simulated_node::Kind;
 
@@ -53,7 +53,8 @@ fn a_beat_that_reaches_beyond_the_boundary_is_told_with_the_yield_there() {
         other => panic!("{other:?}"),
     };
 
-    let told = |beside: f64| Modelled::of_blocks(&response, &blocks([amplitude, beside * amplitude]), 0.0);
+    let told =
+        |beside: f64| PredictedPower::of_blocks(&response, &blocks([amplitude, beside * amplitude]), 0.0);
     let steady = told(0.0);
     assert_eq!(steady.finding, Finding::Line);
     let income = at(amplitude).income().expect("inside");

@@ -2,7 +2,7 @@
 
 use model_core::energy::ResponseMap;
 use model_core::excitation::Lines;
-use model_core::node::{Finding, Modelled};
+use model_core::node::{Finding, PredictedPower};
 
 use host_bench::simulated_node::Kind;
 
@@ -15,7 +15,7 @@ fn noise_whose_peaks_reach_into_the_map_is_no_rest() {
     let finding = |part: f32, purity: f32| {
         let frequency = Kind::Sliding.resonance()[0] as f32;
         let lines = Lines { amplitude: part * lowest, frequency, purity, density: 1.0, rest: 0.5 };
-        Modelled::of_blocks(&response, &[lines], 0.0).finding
+        PredictedPower::of_blocks(&response, &[lines], 0.0).finding
     };
     assert_eq!(response.broadband(1.0), None, "no linear motion");
     assert_eq!(finding(0.5, 0.99), Finding::Rest, "a line");
@@ -37,7 +37,7 @@ fn a_line_below_the_map_and_beside_the_resonance_is_covered() {
             // The bank's density is that at the resonance, where the line is not.
             let lines =
                 Lines { amplitude: part * lowest, frequency, purity: 0.99, density: 1e-6, rest: 1e-6 };
-            let told = Modelled::of_blocks(&response, &[lines], 0.0);
+            let told = PredictedPower::of_blocks(&response, &[lines], 0.0);
             assert_eq!(told.finding, Finding::Rest);
             let truth = part * part * edge;
             assert!(

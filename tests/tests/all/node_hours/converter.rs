@@ -40,7 +40,7 @@ fn a_converter_that_does_not_answer_is_asked_as_often_as_one_that_does() {
     assert_eq!(state.voltage().last_reading(), Some(StoreReading::Refused));
     let attempts = f64::from(state.voltage().readings());
     assert!(attempts > 0.5 * f64::from(wakes), "attempts are booked");
-    assert!(f64::from(node.spent_on_knowing(&state)) > 0.0);
+    assert!(f64::from(node.spent_on_estimation(&state)) > 0.0);
 }
 
 #[test]

@@ -95,8 +95,8 @@ fn line() -> Timeline {
     Timeline {
         kind: Kind::ContactSeparation,
         as_designed: true,
-        weathers: vec![],
-        shaking: vec![],
+        hour_kinds: vec![],
+        vibration: vec![],
         minutes: (0..240).map(|minute| 60.0 * power(minute)).collect(),
     }
 }

@@ -8,7 +8,7 @@ use super::part;
 use model_core::energy::ResponseMap;
 
 use host_bench::simulated_node::{
-    Errors, Hour, Kind, OneState, Parts, Run, Settings, Shaking, Source, World, tone,
+    Errors, Hour, Kind, OneState, Parts, Run, Settings, Source, Vibration, World, tone,
 };
 
 use super::INCOME;
@@ -54,7 +54,7 @@ impl Case {
         let fingerprint = u32::from_le_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
         let response = ResponseMap::new(bytes, fingerprint).expect("a map");
         let mut random = Source::of_seed(5);
-        let (mut minutes, mut shaking) = (Vec::new(), Vec::<Shaking>::new());
+        let (mut minutes, mut vibration) = (Vec::new(), Vec::<Vibration>::new());
         let [low, high] = self.amplitudes;
         for index in 0.. {
             if minutes.len() >= 60 * HOURS {
@@ -64,13 +64,13 @@ impl Case {
             let amplitude = low * (high / low).powf(part);
             let power = response.at(amplitude as f32, FREQUENCY as f32).income().expect("inside").value;
             minutes.extend(std::iter::repeat_n(60.0 * f64::from(power), self.hold));
-            shaking.extend(std::iter::repeat_n(tone(amplitude, FREQUENCY), self.hold));
+            vibration.extend(std::iter::repeat_n(tone(amplitude, FREQUENCY), self.hold));
         }
         let settings = Settings::new(kind, part("nrf52832"), self.capacitance, self.spread);
         let settings = Settings { of_highest: 0.03, ..settings }.scaled(&minutes);
         minutes.iter_mut().for_each(|minute| *minute *= self.gain);
         let (mut node, parts) = (settings.map(), Parts { highest: self.highest, ..Parts::AS_STATED });
-        let world = World::new(&settings, (&minutes, &shaking), parts, 7);
+        let world = World::new(&settings, (&minutes, &vibration), parts, 7);
         let run = world.run(&mut node, |running| each(running.state.gain().map(f64::from)));
         (run, node.state)
     }
@@ -87,7 +87,7 @@ fn what_changes_between_two_bursts_does_not_move_the_gain() {
             for spread in [0.2, 0.01] {
                 let (run, state) = Case { hold, capacitance, spread, ..WAVERING }.run();
                 let errors = Errors::of(run.hours.iter());
-                let told = sum(&run, |hour| hour.told) / sum(&run, |hour| hour.truth);
+                let told = sum(&run, |hour| hour.estimated) / sum(&run, |hour| hour.truth);
                 let [gain, of_gain] = state.gain();
                 println!(
                     "{hold} min, {capacitance} F, {spread}: inside {:.3}, bound {:.3}, told {told:.3}, gain {gain:.2} \
@@ -135,7 +135,7 @@ fn strong_shaking_that_ends_while_the_storage_is_full_does_not_change_the_gain()
                         sleeps += 1.0;
                     });
                     let errors = Errors::of(run.hours.iter());
-                    let told = sum(&run, |hour| hour.told) / sum(&run, |hour| hour.truth);
+                    let told = sum(&run, |hour| hour.estimated) / sum(&run, |hour| hour.truth);
                     let [learnt, of_gain] = state.gain();
                     println!(
                         "{amplitudes:?} m/s2, {hold} min, {capacitance} F, gain {gain}: inside {:.3}, bound {:.3}, told \
@@ -165,7 +165,7 @@ fn the_voltage_of_a_full_storage_need_not_be_known_to_more_than_three_hundredths
         for highest in [0.975, 0.99, 0.998, 1.0, 1.002, 1.02] {
             let (run, state) = Case { hold: 30, capacitance, highest, gain: 3.0, ..WAVERING }.run();
             let errors = Errors::of(run.hours.iter());
-            let told = sum(&run, |hour| hour.told) / sum(&run, |hour| hour.truth);
+            let told = sum(&run, |hour| hour.estimated) / sum(&run, |hour| hour.truth);
             let [gain, of_gain] = state.gain();
             println!(
                 "{highest} of the highest voltage, {capacitance} F: inside {:.3}, bound {:.3}, told {told:.3}, gain \

@@ -67,7 +67,7 @@ impl Firmware {
     }
 
     /// After a reset the sensor is off, and the node goes on from its state.
-    fn resume(&mut self, gap: Gap) {
+    fn resume(&mut self, gap: Outage) {
         self.board.stop_sensor();
         self.is_sampling = false;
         let code = self.board.storage_code();
@@ -92,14 +92,14 @@ impl Firmware {
 }
 
 /// A kind of power loss: what happens to the board in it, and the gap that the firmware states.
-type Loss = (&'static str, fn(&mut Bench), fn(u32) -> Gap);
+type Loss = (&'static str, fn(&mut Bench), fn(u32) -> Outage);
 
 fn losses() -> [Loss; 4] {
     [
-        ("a reset", |_| (), Gap::OnUntil),
-        ("off", |board| board.pass(900, POWER * 0.9), Gap::OffUntil),
-        ("locked out", |board| board.pass(900, STORED), Gap::LockedOutUntil),
-        ("no clock", |board| board.charge(POWER * 0.9, 900), |_| Gap::Unknown),
+        ("a reset", |_| (), Outage::OnUntil),
+        ("off", |board| board.pass(900, POWER * 0.9), Outage::OffUntil),
+        ("locked out", |board| board.pass(900, STORED), Outage::LockedOutUntil),
+        ("no clock", |board| board.charge(POWER * 0.9, 900), |_| Outage::Unknown),
     ]
 }
 
@@ -112,8 +112,8 @@ impl Bench {
 
 #[test]
 fn a_loop_of_ones_own_has_the_bits_of_the_runner() {
-    let mut firmware = Firmware::new(Bench { shaking: 2.5, actions: DEAR, ..Bench::new() });
-    let mut runner = OneRunner::new(Bench { shaking: 2.5, actions: DEAR, ..Bench::new() }, dear_node(), 0);
+    let mut firmware = Firmware::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() });
+    let mut runner = OneRunner::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() }, dear_node(), 0);
     firmware.run_until(43_200);
     while runner.board().second < 43_200 || !runner.is_idle() {
         runner.step();
@@ -126,7 +126,7 @@ fn a_loop_of_ones_own_has_the_bits_of_the_runner() {
 #[test]
 fn after_each_loss_of_power_the_node_goes_on_by_an_image_from_a_store_of_ones_own() {
     for (name, change, gap) in losses() {
-        let mut firmware = Firmware::new(Bench { shaking: 2.5, actions: DEAR, ..Bench::new() });
+        let mut firmware = Firmware::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() });
         firmware.run_until(21_600);
         let mut store = vec![0; model_core::snapshot::image_size::<OneNode>()];
         let size = save_image(firmware.node, &firmware.state, 7, &mut store).expect("room");
@@ -152,7 +152,7 @@ fn after_each_loss_of_power_the_node_goes_on_by_an_image_from_a_store_of_ones_ow
 fn after_each_loss_of_power_the_node_goes_on_by_a_state_in_ram_even_within_a_burst() {
     for (name, change, gap) in losses() {
         for is_within in [false, true] {
-            let mut firmware = Firmware::new(Bench { shaking: 2.5, actions: DEAR, ..Bench::new() });
+            let mut firmware = Firmware::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() });
             firmware.run_until(21_600);
             while is_within && !(firmware.is_sampling && firmware.board.taken > 200) {
                 firmware.step();

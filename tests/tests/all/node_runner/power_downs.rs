@@ -16,8 +16,8 @@ pub(super) fn dear_node() -> &'static OneNode {
 
 /// A node after six hours with its image saved, resumed on the same board after a gap that `change` made, run on for two
 /// hours: its states before the gap, after it, and at the end. Whatever it tells in these hours is inside its bound.
-fn resumed_after(gap: fn(u32) -> Gap, change: impl Fn(&mut Bench)) -> [OneState; 3] {
-    let mut runner = OneRunner::new(Bench { shaking: 2.5, actions: DEAR, ..Bench::new() }, dear_node(), 0);
+fn resumed_after(gap: fn(u32) -> Outage, change: impl Fn(&mut Bench)) -> [OneState; 3] {
+    let mut runner = OneRunner::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() }, dear_node(), 0);
     while OneNode::second(runner.state()) < 21_600 {
         step(&mut runner);
     }
@@ -53,7 +53,7 @@ fn resumed_after(gap: fn(u32) -> Gap, change: impl Fn(&mut Bench)) -> [OneState;
 #[test]
 fn after_a_power_down_of_a_known_time_its_income_is_told() {
     let off = 300;
-    let [before, after, end] = resumed_after(Gap::OffUntil, |board| {
+    let [before, after, end] = resumed_after(Outage::OffUntil, |board| {
         board.second += off;
         board.charge(0.9 * POWER, off);
     });
@@ -65,7 +65,7 @@ fn after_a_power_down_of_a_known_time_its_income_is_told() {
 
 #[test]
 fn after_a_reset_between_two_images_what_was_done_since_the_image_is_no_missing_income() {
-    let bench = Bench { shaking: 2.5, actions: DEAR, ..Bench::new() };
+    let bench = Bench { vibration: 2.5, actions: DEAR, ..Bench::new() };
     let mut runner = OneRunner::new(bench, dear_node(), 0);
     let (mut saved, mut last, mut random) = (0, None, 1_u32);
     let (mut hours, mut inside, mut bounds) = (0, 0, 0.0);
@@ -83,7 +83,7 @@ fn after_a_reset_between_two_images_what_was_done_since_the_image_is_no_missing_
         if second >= reset {
             reset = u32::MAX;
             runner = OneRunner::new(runner.into_board(), dear_node(), second);
-            runner.resume(&mut [0; SLOT_BYTES], Gap::OnUntil(second)).expect("an image");
+            runner.resume(&mut [0; SLOT_BYTES], Outage::OnUntil(second)).expect("an image");
             assert_eq!(OneNode::second(runner.state()), second);
         }
         if runner.state().last_hour() != last {
@@ -106,7 +106,7 @@ fn after_a_clock_that_goes_back_the_node_goes_on_from_the_new_time() {
     // While the node sleeps, and at a reset.
     for (back, is_reset) in [(7200, false), (20_000, false), (7200, true)] {
         let mut runner =
-            OneRunner::new(Bench { shaking: 2.5, actions: DEAR, ..Bench::new() }, dear_node(), 0);
+            OneRunner::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() }, dear_node(), 0);
         while OneNode::second(runner.state()) < 21_600 {
             step(&mut runner);
         }
@@ -116,7 +116,7 @@ fn after_a_clock_that_goes_back_the_node_goes_on_from_the_new_time() {
         if is_reset {
             let second = runner.board().second;
             runner = OneRunner::new(runner.into_board(), dear_node(), second);
-            runner.resume(&mut [0; SLOT_BYTES], Gap::OnUntil(second)).expect("an image");
+            runner.resume(&mut [0; SLOT_BYTES], Outage::OnUntil(second)).expect("an image");
         }
         let start = runner.board().second;
         let (mut last, mut hours) = (before.last_hour(), 0);
@@ -140,7 +140,7 @@ fn after_a_clock_that_goes_back_the_node_goes_on_from_the_new_time() {
 
 #[test]
 fn after_a_power_down_of_no_time_nothing_has_changed() {
-    let [before, after, _] = resumed_after(Gap::OffUntil, |_| {});
+    let [before, after, _] = resumed_after(Outage::OffUntil, |_| {});
     assert_eq!(OneNode::second(&after), OneNode::second(&before));
     let [one, other] = [before, after].map(|state| dear_node().overall(&state));
     assert!((other.energy - one.energy).abs() < one.bound, "{one:?} {other:?}");
@@ -150,7 +150,7 @@ fn after_a_power_down_of_no_time_nothing_has_changed() {
 fn after_a_lock_out_at_an_unknown_time_the_income_is_inside_its_bound() {
     let gap = 900;
     for drew in [0, 300, 900] {
-        let [before, after, end] = resumed_after(Gap::LockedOutUntil, |board| {
+        let [before, after, end] = resumed_after(Outage::LockedOutUntil, |board| {
             board.second += gap;
             board.charge(STORED - 10e-6 / 0.9, drew);
             board.charge(0.9 * POWER, gap - drew);
@@ -168,7 +168,7 @@ fn after_a_lock_out_at_an_unknown_time_the_income_is_inside_its_bound() {
 fn after_a_power_down_of_an_unknown_time_the_storage_is_read_anew_and_no_income_is_told() {
     // The storage is fuller, or emptier, by more than any income or draw of the times that the clock knows.
     for energy in [9.5e-3, 2.0e-3] {
-        let [before, after, end] = resumed_after(|_| Gap::Unknown, |board| board.energy = energy);
+        let [before, after, end] = resumed_after(|_| Outage::Unknown, |board| board.energy = energy);
         assert_eq!(OneNode::second(&after), OneNode::second(&before));
         // Of the time since the last reading nothing is said.
         let [one, other] = [before, after].map(|state| dear_node().overall(&state));

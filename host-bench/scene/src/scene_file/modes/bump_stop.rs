@@ -188,13 +188,13 @@ impl BumpStopModes {
         };
         let (rod, rod_residual) = stop.map_or((Vec::new(), 0.0), rod);
         let beam_residual = stop.map_or(0.0, |stop| {
-            let kept: f64 = beam.iter().map(|mode| (mode.at_stop / mode.angular_frequency).powi(2)).sum();
-            let residual = stop.position_m.powi(3) / (3.0 * section.bending_stiffness) - kept;
+            let modal: f64 = beam.iter().map(|mode| (mode.at_stop / mode.angular_frequency).powi(2)).sum();
+            let residual = stop.position_m.powi(3) / (3.0 * section.bending_stiffness) - modal;
             // Of a heavy tip mass at the contact the modes left out have less than the rounding.
             if from.tip_mass.is_some() { residual.max(0.0) } else { residual }
         });
         let compliance = |mode: &BeamMode| mode.clamp_curvature / mode.angular_frequency.powi(2);
-        let kept =
+        let modal =
             |of: fn(&BeamMode) -> f64| beam.iter().map(|mode| compliance(mode) * of(mode)).sum::<f64>();
         let weight = from.tip_mass.map_or(0.0, |body| body.mass_kg * (length + body.offset_m));
         let moments = [
@@ -204,9 +204,9 @@ impl BumpStopModes {
         ]
         .map(|moment| moment / section.bending_stiffness);
         let clamp_residual = [
-            moments[0] - kept(|mode| mode.at_stop),
-            moments[1] - kept(|mode| mode.participation),
-            moments[2] - kept(|mode| mode.coupling),
+            moments[0] - modal(|mode| mode.at_stop),
+            moments[1] - modal(|mode| mode.participation),
+            moments[2] - modal(|mode| mode.coupling),
         ];
         Self {
             beam,
@@ -254,9 +254,9 @@ fn rod(stop: &StopParameters) -> (Vec<RodMode>, f64) {
             }
         })
         .collect();
-    let kept: f64 = modes.iter().map(|mode| (mode.at_face / mode.angular_frequency).powi(2)).sum();
+    let modal: f64 = modes.iter().map(|mode| (mode.at_face / mode.angular_frequency).powi(2)).sum();
     let whole = stop.length_m / (stop.young_modulus_pa * area);
-    (modes, whole - kept)
+    (modes, whole - modal)
 }
 
 #[cfg(test)]

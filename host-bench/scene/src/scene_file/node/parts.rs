@@ -1,9 +1,9 @@
-//! `[node.parts]`, and what the parts take: asleep, for a listen, for a reading of the storage, for an action.
+//! `[node.parts]`, and what the parts take: asleep, for a burst, for a reading of the storage, for an action.
 
 use super::super::bounds::between;
 use super::super::document::SceneError;
 use super::super::key::{Table, Value, number, other, whole};
-use super::super::scene::{Action, Knowing, PartFigure};
+use super::super::scene::{Action, EstimationCost, PartFigure};
 use super::super::section::Section;
 use crate::market::{Accelerometer, Clock, Code, Cost, CostModel, Figure, Processor, Radio};
 
@@ -23,8 +23,8 @@ pub(super) static PARTS: Table = Table::of(&[
 const EVERY: super::super::key::Key =
     number("every_s", "s", between(1.0, 86_400.0), "Time from one to the next that is wished for");
 
-/// `[node.listen]`.
-pub(super) static LISTEN: Table = Table::of(&[
+/// `[node.burst]`.
+pub(super) static BURST: Table = Table::of(&[
     whole("samples", "", between(1.0, 65_536.0), "Samples of a burst"),
     number("rate_hz", "Hz", between(0.1, 1e5), "Samples per second")
         .limit("at most the highest known rate of the accelerometer"),
@@ -39,7 +39,7 @@ pub(super) static READING: Table = Table::of(&[EVERY]);
 /// The named parts of a node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Parts {
-    /// With an accelerometer in any case; a scene without one has no listen.
+    /// With an accelerometer in any case; a scene without one has no burst.
     model: CostModel,
     accelerometer: Option<Accelerometer>,
     radio: Option<Radio>,
@@ -71,7 +71,7 @@ pub(super) fn parts(section: &mut Section<'_>) -> Result<Option<Parts>, SceneErr
     Ok(Some(Parts { model, accelerometer, radio }))
 }
 
-/// What a listen or a reading takes by its parts, in J; the names are those of the results.
+/// What a burst or a reading takes by its parts, in J; the names are those of the results.
 fn costs(cost: &Cost, conversion: f64) -> Vec<(&'static str, f64)> {
     vec![
         ("computing_j", cost.computing),
@@ -89,8 +89,8 @@ impl Parts {
         self.model.standing_power().unwrap_or(0.0)
     }
 
-    /// Reads `[node.listen]`.
-    pub(super) fn listen(&self, table: &mut Section<'_>) -> Result<Knowing, SceneError> {
+    /// Reads `[node.burst]`.
+    pub(super) fn burst(&self, table: &mut Section<'_>) -> Result<EstimationCost, SceneError> {
         let every_s = table.number("every_s")?;
         let samples = table.whole_number("samples")? as u32;
         let rate = table.number("rate_hz")?;
@@ -114,9 +114,9 @@ impl Parts {
             return Err(table.refuse("samples", reason));
         };
         let computing_s = self.model.processor.computing_time(instructions, code);
-        Ok(Knowing {
+        Ok(EstimationCost {
             action: Action {
-                name: "listen".to_owned(),
+                name: "burst".to_owned(),
                 energy_j: cost.total(),
                 duration_s: self.model.burst_time(samples, rate) + computing_s,
                 every_s,
@@ -126,11 +126,11 @@ impl Parts {
     }
 
     /// Reads `[node.voltage_reading]`.
-    pub(super) fn voltage_reading(&self, table: &mut Section<'_>) -> Result<Knowing, SceneError> {
+    pub(super) fn voltage_reading(&self, table: &mut Section<'_>) -> Result<EstimationCost, SceneError> {
         let start = self.model.start_energy();
         let cost = Cost { computing: 0.0, sensor: 0.0, transfer: 0.0, wake_up: start, waiting: 0.0 };
         let conversion = self.model.adc.reading_j.0;
-        Ok(Knowing {
+        Ok(EstimationCost {
             action: Action {
                 name: "voltage_reading".to_owned(),
                 energy_j: cost.total() + conversion,

@@ -27,7 +27,7 @@ pub struct Node {
     /// What it can do, the most important first; at least one, each with a name of its own.
     pub actions: Vec<Action>,
     /// What it does to know its income, before all else.
-    pub knowing: Vec<Knowing>,
+    pub estimation: Vec<EstimationCost>,
     /// The figures of its named parts.
     pub figures: Vec<PartFigure>,
     /// What the amplitude of the excitation is multiplied with, hour by hour from midnight.
@@ -74,7 +74,7 @@ pub struct Action {
 
 /// Something that a node does to know its income.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Knowing {
+pub struct EstimationCost {
     /// What is done.
     pub action: Action,
     /// Its energy in J by what takes it.
@@ -108,6 +108,6 @@ impl Storage {
 impl Node {
     /// What it does to know its income, and its other actions, the most important first.
     pub fn all_actions(&self) -> impl Iterator<Item = &Action> {
-        self.knowing.iter().map(|knowing| &knowing.action).chain(&self.actions)
+        self.estimation.iter().map(|estimation| &estimation.action).chain(&self.actions)
     }
 }

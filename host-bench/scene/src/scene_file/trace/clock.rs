@@ -28,8 +28,8 @@ const UNITS: [(&str, f64); 15] = [
 ];
 
 /// The unit in s of the times in a column with this heading, 1 s where it names none, not-a-number where its unit is not known;
-/// `None` if neither the heading nor a key, which `is_told`, says that these are times.
-pub(super) fn unit_of(heading: &str, is_told: bool) -> Option<f64> {
+/// `None` if neither the heading nor a key, which `is_stated`, says that these are times.
+pub(super) fn unit_of(heading: &str, is_stated: bool) -> Option<f64> {
     let lower = heading.to_lowercase();
     let words: Vec<&str> =
         lower.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
@@ -37,7 +37,7 @@ pub(super) fn unit_of(heading: &str, is_told: bool) -> Option<f64> {
     let unit = UNITS.iter().find(|(name, _)| name == last).map(|(_, length)| *length);
     // Metres per second, or radians per second, are no time.
     let is_rate = words.contains(&"per") || words.contains(&"m") || lower.contains('/');
-    let is_time = is_told || TIME_WORDS.contains(first);
+    let is_time = is_stated || TIME_WORDS.contains(first);
     let has_none = TIME_WORDS.contains(last) || words.len() == 1;
     match unit {
         // The last word of a least value is `min` too.
@@ -71,19 +71,24 @@ impl Times {
         (rate.is_finite() && rate > 0.0).then_some(rate)
     }
 
-    /// The rate in Hz within `bound`, which is `told` where that is given; `key` is blamed for times that do not have it.
-    pub(super) fn rate(&self, told: Option<f64>, bound: Bound, key: &'static str) -> Result<f64, TraceFault> {
+    /// The rate in Hz within `bound`, which is `stated` where that is given; `key` is blamed for times that do not have it.
+    pub(super) fn rate(
+        &self,
+        stated: Option<f64>,
+        bound: Bound,
+        key: &'static str,
+    ) -> Result<f64, TraceFault> {
         let refuse = |text: String| Err(TraceFault::new(key, text));
         if let Some(bad) = self.seconds.iter().position(|time| !time.is_finite()) {
             return refuse(format!("line {}: time {} s must be finite", self.lines[bad], self.seconds[bad]));
         }
-        let Some(rate) = told.or(self.own_rate()) else {
+        let Some(rate) = stated.or(self.own_rate()) else {
             return refuse("the times do not rise from the first to the last".to_owned());
         };
-        match (self.first_off(rate), told) {
+        match (self.first_off(rate), stated) {
             (None, _) if bound.contains(rate) => Ok(rate),
             (None, _) => refuse(format!("the times are those of {} Hz: must be {bound}", Short(rate))),
-            (Some(off), Some(told)) => refuse(self.contradiction(off, told)),
+            (Some(off), Some(stated)) => refuse(self.contradiction(off, stated)),
             (Some(_), None) => refuse(self.jitter(1.0 / rate)),
         }
     }
@@ -99,14 +104,14 @@ impl Times {
         self.seconds.iter().enumerate().position(is_off)
     }
 
-    /// Why the times contradict the rate that was told: that of the scene file and their own.
-    fn contradiction(&self, off: usize, told: f64) -> String {
+    /// Why the times contradict the stated rate: that of the scene file and their own.
+    fn contradiction(&self, off: usize, stated: f64) -> String {
         let own = match self.own_rate() {
             Some(own) => format!("are those of {own} Hz on average; leave rate_hz out to take their rate"),
             None => "do not rise".to_owned(),
         };
-        let (line, now, due) = (self.lines[off], self.seconds[off], self.due(off, told));
-        format!("line {line}: time {now} s must be {due} s, as at rate_hz = {told}; the times {own}")
+        let (line, now, due) = (self.lines[off], self.seconds[off], self.due(off, stated));
+        format!("line {line}: time {now} s must be {due} s, as at rate_hz = {stated}; the times {own}")
     }
 
     /// Why the times are not even: the interval that differs most from the mean one in s.
@@ -155,8 +160,8 @@ mod tests {
         for (heading, expected) in [("x", 1.0), ("elapsed time", 1.0), ("elapsed [min]", 60.0)] {
             assert_eq!(unit_of(heading, true), Some(expected), "{heading:?}");
         }
-        for (heading, is_told) in [("time (d)", false), ("t_fortnights", false), ("elapsed [d]", true)] {
-            assert!(unit_of(heading, is_told).is_some_and(f64::is_nan), "{heading:?}");
+        for (heading, is_stated) in [("time (d)", false), ("t_fortnights", false), ("elapsed [d]", true)] {
+            assert!(unit_of(heading, is_stated).is_some_and(f64::is_nan), "{heading:?}");
         }
     }
 }

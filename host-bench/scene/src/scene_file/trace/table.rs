@@ -104,7 +104,7 @@ fn cell<'r>(
     record.get(column).ok_or_else(absent)
 }
 
-/// The rate in Hz, from the times or as it was told.
+/// The rate in Hz, from the times or as stated.
 fn rate(layout: &Layout, times: Option<Times>, asked: &Asked, bound: Bound) -> Result<f64, TraceFault> {
     let wanted = || TraceFault::missing("rate_hz", format!("{bound}, or the file have a column of times"));
     let (Some(clock), Some(times)) = (layout.clock, times) else {
@@ -123,7 +123,7 @@ fn rate(layout: &Layout, times: Option<Times>, asked: &Asked, bound: Bound) -> R
 
 /// The key to blame for times that do not agree with it or with one another.
 fn blamed(clock: Clock, asked: &Asked) -> &'static str {
-    match (clock.is_told, asked.rate_hz) {
+    match (clock.is_stated, asked.rate_hz) {
         (true, _) => "time_column",
         (false, Some(_)) => "rate_hz",
         (false, None) => "path",

@@ -8,13 +8,13 @@ use super::{Column, TraceFault, enough, scaled};
 use crate::input::{MOST_OF_DATA, read};
 use crate::scene_file::bounds::Bound;
 
-/// The samples of one channel, the only one if none is named, in m/s² and their rate in Hz, within `bound`, which must be `told` if that is given.
+/// The samples of one channel, the only one if none is named, in m/s² and their rate in Hz, within `bound`, which must be `stated` if that is given.
 /// Integers are taken as parts of full scale, `2^(bits − 1)`.
 pub(super) fn samples(
     path: &Path,
     channel: Option<&Column>,
     scale: f64,
-    told: Option<f64>,
+    stated: Option<f64>,
     bound: Bound,
 ) -> Result<(Vec<f64>, f64), TraceFault> {
     let fault = |error: hound::Error| TraceFault::new("path", error.to_string().replace(['\n', '\r'], " "));
@@ -38,7 +38,7 @@ pub(super) fn samples(
     if !bound.contains(rate_hz) {
         return Err(TraceFault::new("path", format!("has {rate_hz} samples per second: must be {bound}")));
     }
-    if told.is_some_and(|told| told != rate_hz) {
+    if stated.is_some_and(|stated| stated != rate_hz) {
         return Err(TraceFault::new("rate_hz", format!("must be {rate_hz} as in the file, or left out")));
     }
     let full_scale = match spec.sample_format {

@@ -151,8 +151,8 @@ fn all_modes_together_give_the_static_beam() {
         close(residual, left, 1e-3);
     }
     let ten = BumpStopModes::new(&parameters(10), None);
-    let kept: f64 = ten.beam.iter().map(|mode| mode.coupling.powi(2) / square(mode)).sum();
-    close(kept / ten.capacitance, 0.074_585_6, 1e-6);
+    let modal: f64 = ten.beam.iter().map(|mode| mode.coupling.powi(2) / square(mode)).sum();
+    close(modal / ten.capacitance, 0.074_585_6, 1e-6);
     // The residual is the sum of the tail.
     let left: f64 = tail.iter().rev().map(|mode| mode.at_tip.powi(2) / square(mode)).sum();
     close(modes.beam_residual, left, 1e-6);

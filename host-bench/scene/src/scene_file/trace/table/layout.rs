@@ -30,7 +30,7 @@ pub(super) struct Clock {
     /// Whether a heading or a key says that these are times.
     pub(super) is_named: bool,
     /// Whether a key says so.
-    pub(super) is_told: bool,
+    pub(super) is_stated: bool,
     /// The key to blame where a row lacks the column.
     pub(super) key: &'static str,
 }
@@ -38,7 +38,7 @@ pub(super) struct Clock {
 impl Clock {
     /// Says how to use the file, if no key says that the column has times.
     pub(super) fn with_way_out(self, fault: TraceFault) -> TraceFault {
-        if self.is_told {
+        if self.is_stated {
             return fault;
         }
         let text =
@@ -124,22 +124,22 @@ fn headings(first: &StringRecord) -> Vec<&str> {
     first.iter().take(20).collect()
 }
 
-/// The column of times: as told, or the heading that names a time, or without headings the first of several.
+/// The column of times: as stated, or the heading that names a time, or without headings the first of several.
 fn clock(
     first: &StringRecord,
     line: u64,
     asked: &Asked,
     has_heading: bool,
 ) -> Result<Option<Clock>, TraceFault> {
-    let unit_of = |column: usize, is_told: bool| {
-        first.get(column).filter(|_| has_heading).and_then(|heading| unit_of(heading, is_told))
+    let unit_of = |column: usize, is_stated: bool| {
+        first.get(column).filter(|_| has_heading).and_then(|heading| unit_of(heading, is_stated))
     };
     match &asked.clock {
         AskedClock::Ignored => Ok(None),
-        AskedClock::Column(told) => {
-            let column = place(told, "time_column", first, line)?;
+        AskedClock::Column(stated) => {
+            let column = place(stated, "time_column", first, line)?;
             let unit_s = unit_of(column, true).unwrap_or(1.0);
-            Ok(Some(Clock { column, unit_s, is_named: true, is_told: true, key: "time_column" }))
+            Ok(Some(Clock { column, unit_s, is_named: true, is_stated: true, key: "time_column" }))
         }
         AskedClock::Unset if has_heading => {
             let preferred = first.iter().position(|cell| cell == TIME);
@@ -147,7 +147,7 @@ fn clock(
                 preferred.or_else(|| (0..first.len()).find(|column| unit_of(*column, false).is_some()));
             Ok(column.map(|column| {
                 let unit_s = unit_of(column, false).unwrap_or(1.0);
-                Clock { column, unit_s, is_named: true, is_told: false, key: "path" }
+                Clock { column, unit_s, is_named: true, is_stated: false, key: "path" }
             }))
         }
         AskedClock::Unset => {
@@ -156,7 +156,7 @@ fn clock(
                 column: 0,
                 unit_s: 1.0,
                 is_named: false,
-                is_told: false,
+                is_stated: false,
                 key: "path",
             }))
         }

@@ -1,4 +1,4 @@
-//! What is told of all points of a sweep: their warnings, and the best of them.
+//! Messages on all points of a sweep: their warnings, and the best of them.
 
 use super::{Axis, Point, SweepArguments, indices, place, scene};
 use crate::embedded;
@@ -44,7 +44,7 @@ pub(super) fn best(points: &[Point]) -> Option<(usize, &Point, f64)> {
 }
 
 /// It in words.
-pub(super) fn told_best(axes: &[Axis], (_, point, power): (usize, &Point, f64)) -> String {
+pub(super) fn best_text(axes: &[Axis], (_, point, power): (usize, &Point, f64)) -> String {
     let accuracy = point.found.as_ref().ok().and_then(|fields| fields.get("accuracy"));
     let stated = match (accuracy.and_then(|accuracy| accuracy.get("total")?.as_f64()), point.is_stated()) {
         (Some(total), _) => format!(", stated error {total:.1e}"),

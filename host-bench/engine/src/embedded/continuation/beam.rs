@@ -7,15 +7,15 @@ use model_core::snapshot::Fingerprint;
 use super::super::bump_stop::{modes, parameters, prepared, refuse_step, resistance};
 use super::super::excitation::{Setting, bridge};
 use super::super::run::{refuse_parameter, refuse_start};
-use super::{Held, NoShooting, Sweep};
+use super::{AmplitudeContinuation, NoShooting, Sweep};
 use harvester_scene::method::Failure;
 use harvester_scene::scene_file::{BumpStop, Scene};
 
 /// The caller's function.
-type With<'a> = &'a mut dyn FnMut(&mut dyn Held) -> Result<(), Failure>;
+type With<'a> = &'a mut dyn FnMut(&mut dyn AmplitudeContinuation) -> Result<(), Failure>;
 
 /// Calls `with` with the harvester, with its resistor or behind its bridge.
-pub(super) fn held(
+pub(super) fn continuation(
     setting: Setting<'_, f64>,
     model: &BumpStop,
     frequency_hz: f64,

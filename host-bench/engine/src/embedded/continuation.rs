@@ -35,7 +35,7 @@ const AGREE: usize = 3;
 
 /// How a steady motion was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Found {
+pub enum MotionKind {
     /// By shooting: a stable orbit of one period that the motion approaches.
     Orbit,
     /// By a transient until its power no longer changed.
@@ -51,11 +51,11 @@ pub struct Motion {
     pub value: f64,
     /// Whether the motion has impacts or contact, or of a slider whether it moves.
     pub is_upper: bool,
-    pub found: Found,
+    pub found: MotionKind,
 }
 
 /// A harvester under a sine of a held frequency.
-pub trait Held {
+pub trait AmplitudeContinuation {
     /// Changes the amplitude, in m/s², and goes on until the motion is steady.
     fn settle(&mut self, amplitude: f64) -> Result<Motion, Failure>;
 
@@ -73,14 +73,14 @@ pub trait Held {
 }
 
 /// The caller's function, behind a reference: the sweep is compiled in this crate and not in the caller's.
-type With<'a> = &'a mut dyn FnMut(&mut dyn Held) -> Result<(), Failure>;
+type With<'a> = &'a mut dyn FnMut(&mut dyn AmplitudeContinuation) -> Result<(), Failure>;
 
 /// Calls `with` with the harvester of a scene under a sine of `frequency_hz`. Its load is a resistor, or a bridge into a bus.
-pub fn with_held<R>(
+pub fn with_continuation<R>(
     scene: &Scene,
     frequency_hz: f64,
     options: &Options,
-    with: impl FnOnce(&mut dyn Held) -> Result<R, Failure>,
+    with: impl FnOnce(&mut dyn AmplitudeContinuation) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
     options.check()?;
     options.check_scene(scene)?;
@@ -96,14 +96,14 @@ pub fn with_held<R>(
     let mut scene = scene.clone();
     scene.excitation = SceneExcitation::Sine(Tone { amplitude_m_per_s2: 0.0, frequency_hz, phase_rad: 0.0 });
     let (mut with, mut found) = (Some(with), None);
-    let mut call = |held: &mut dyn Held| {
-        found = with.take().map(|with| with(held));
+    let mut call = |continuation: &mut dyn AmplitudeContinuation| {
+        found = with.take().map(|with| with(continuation));
         Ok(())
     };
     with_setting::<f64, Polynomial, _>(&scene, options, |setting| {
         by_harvester!(&scene,
             triboelectric(model) => triboelectric(setting, model, frequency_hz, &mut call),
-            bump_stop(model) => beam::held(setting, model, frequency_hz, &mut call))
+            bump_stop(model) => beam::continuation(setting, model, frequency_hz, &mut call))
     })?;
     found.unwrap_or_else(|| unreachable!("a harvester that started calls once"))
 }
@@ -219,7 +219,7 @@ pub(super) struct Sweep<'a, H: Harvester<f64>, T> {
     shooting: T,
     start: H::State,
     state: H::State,
-    kept: Vec<H::State>,
+    saved: Vec<H::State>,
     frequency_hz: f64,
     is_slider: bool,
     /// Periods in a window of a transient.
@@ -244,7 +244,7 @@ impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
             shooting,
             start,
             state: start,
-            kept: Vec::new(),
+            saved: Vec::new(),
             frequency_hz,
             is_slider,
             window: window.clamp(SHORTEST_WINDOW, 200.0),
@@ -311,7 +311,7 @@ impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
         let is_upper = self.is_upper(&meter.report());
         // What is left of the charge of a slider that is stuck flows off.
         let value = if self.is_slider && !is_upper { 0.0 } else { self.value(&meter) };
-        Ok(Some(Motion { value, is_upper, found: Found::Orbit }))
+        Ok(Some(Motion { value, is_upper, found: MotionKind::Orbit }))
     }
 
     /// The motion after a transient, or its mean.
@@ -326,7 +326,7 @@ impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
             let is_upper = self.is_upper(&meter.report());
             let value = self.value(&meter);
             if self.is_slider && !is_upper {
-                return Ok(Motion { value: 0.0, is_upper, found: Found::Transient });
+                return Ok(Motion { value: 0.0, is_upper, found: MotionKind::Transient });
             }
             if is_upper {
                 touched = window;
@@ -336,19 +336,23 @@ impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
             values.push(value);
             // A motion that is not periodic may have contact in some windows only: it is the upper one.
             if settled + 1 == AGREE {
-                return Ok(Motion { value, is_upper: touched + AGREE > window, found: Found::Transient });
+                return Ok(Motion {
+                    value,
+                    is_upper: touched + AGREE > window,
+                    found: MotionKind::Transient,
+                });
             }
             if window == MOST_WINDOWS {
                 let measured = &values[SETTLING..];
                 let value = measured.iter().sum::<f64>() / measured.len() as f64;
-                return Ok(Motion { value, is_upper: touched > SETTLING, found: Found::Mean });
+                return Ok(Motion { value, is_upper: touched > SETTLING, found: MotionKind::Mean });
             }
         }
         unreachable!("the last window returns")
     }
 }
 
-impl<H: Harvester<f64>, T: Shooting<H>> Held for Sweep<'_, H, T> {
+impl<H: Harvester<f64>, T: Shooting<H>> AmplitudeContinuation for Sweep<'_, H, T> {
     fn settle(&mut self, amplitude: f64) -> Result<Motion, Failure> {
         let sine = Sine::<f64, Polynomial>::new(amplitude, self.frequency_hz, 0.0)
             .map_err(|error| Failure::of_file(self.setting.scene, format!("excitation: {error}")))?;
@@ -362,12 +366,12 @@ impl<H: Harvester<f64>, T: Shooting<H>> Held for Sweep<'_, H, T> {
     }
 
     fn keep(&mut self) -> usize {
-        self.kept.push(self.state);
-        self.kept.len() - 1
+        self.saved.push(self.state);
+        self.saved.len() - 1
     }
 
     fn go_back(&mut self, number: usize) {
-        self.state = self.kept[number];
+        self.state = self.saved[number];
     }
 
     fn rest(&mut self) {

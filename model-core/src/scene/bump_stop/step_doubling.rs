@@ -16,7 +16,7 @@ use crate::excitation::Excitation;
 use crate::hybrid::{Advance, Ended, StepError, Work};
 use crate::observer::{AcceptedStep, Event, Observer, Outputs, PowerIndex};
 use crate::scalar::Scalar;
-use crate::scene::{CheckedError, Harvester};
+use crate::scene::{Harvester, StepDoublingError};
 use crate::snapshot::{Fingerprint, Snapshot, snapshot_fields};
 
 /// Periods of the first mode in a check: at the usual damping of 0.01 a motion remembers an error for 16 periods.
@@ -78,7 +78,7 @@ const MOST_CATCHING_UP: u32 = 128;
 /// # }
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Checked<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize = 0> {
+pub struct StepDoubling<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize = 0> {
     stepper: Stepper<S, P, B, R, ALL>,
     /// Each step has half the ticks, rounded down.
     finer: Stepper<S, P, B, R>,
@@ -88,9 +88,9 @@ pub struct Checked<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const
     every: u32,
 }
 
-/// The state of a [`Checked`]; `T` is that of its stepper.
+/// The state of a [`StepDoubling`]; `T` is that of its stepper.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CheckedState<S, T> {
+pub struct StepDoublingState<S, T> {
     /// The state of the run.
     run: T,
     /// In a check: the state that the finer steps have reached.
@@ -110,7 +110,7 @@ pub struct CheckedState<S, T> {
     checks: Checks<S>,
 }
 
-impl<S, T> CheckedState<S, T> {
+impl<S, T> StepDoublingState<S, T> {
     /// The state of the run, with the bits of a run of the stepper.
     #[must_use]
     pub fn run(&self) -> &T {
@@ -137,9 +137,9 @@ impl<S: Scalar> Observer<S> for Delivered<S> {
 }
 
 /// The state of a checked harvester with the components `P`.
-type CheckedStateOf<S, P, const B: usize, const R: usize> = CheckedState<S, StateOf<S, P, B, R>>;
+type StepDoublingStateOf<S, P, const B: usize, const R: usize> = StepDoublingState<S, StateOf<S, P, B, R>>;
 
-impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> Checked<S, P, B, R, ALL> {
+impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> StepDoubling<S, P, B, R, ALL> {
     /// Checks the steps of a stepper in a part `1/every` of the time, `every` from 2 to 65 536, else the nearest of these. A step
     /// that is checked costs some four steps: 64 adds 5 %, on average over a long run.
     #[must_use]
@@ -162,13 +162,13 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> C
 
     /// What the checks so far have shown.
     #[must_use]
-    pub fn checks<'a>(&self, state: &'a CheckedStateOf<S, P, B, R>) -> &'a Checks<S> {
+    pub fn checks<'a>(&self, state: &'a StepDoublingStateOf<S, P, B, R>) -> &'a Checks<S> {
         &state.checks
     }
 
     #[inline]
-    fn state_of(&self, run: StateOf<S, P, B, R>) -> CheckedStateOf<S, P, B, R> {
-        CheckedState {
+    fn state_of(&self, run: StateOf<S, P, B, R>) -> StepDoublingStateOf<S, P, B, R> {
+        StepDoublingState {
             run,
             finer: run,
             next: run.clock,
@@ -187,7 +187,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> C
     #[inline]
     fn run<const CUT: bool, E: Excitation<S>, O: Observer<S>>(
         &self,
-        state: &mut CheckedStateOf<S, P, B, R>,
+        state: &mut StepDoublingStateOf<S, P, B, R>,
         excitation: &E,
         until: Instant,
         budget: u32,
@@ -234,7 +234,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> C
     }
 
     #[inline(never)]
-    fn begin(&self, state: &mut CheckedStateOf<S, P, B, R>) {
+    fn begin(&self, state: &mut StepDoublingStateOf<S, P, B, R>) {
         state.finer = state.run;
         state.next = later(state.run.clock, self.period);
         state.checking = true;
@@ -246,7 +246,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> C
     #[inline(never)]
     fn step_with_check<const CUT: bool, E: Excitation<S>, O: Observer<S>>(
         &self,
-        state: &mut CheckedStateOf<S, P, B, R>,
+        state: &mut StepDoublingStateOf<S, P, B, R>,
         excitation: &E,
         until: Instant,
         observer: &mut O,
@@ -322,7 +322,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> C
     /// Ends a period of a check, and with the last one the check. It ends early where both states have come apart: from there
     /// on the difference is that of two motions, no longer that of the steps.
     #[inline(never)]
-    fn end_period(&self, state: &mut CheckedStateOf<S, P, B, R>) {
+    fn end_period(&self, state: &mut StepDoublingStateOf<S, P, B, R>) {
         let scene = self.stepper.scene();
         state.periods += 1;
         state.next = later(state.next, self.period);
@@ -345,7 +345,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> C
 
     /// Sets the start of the next check. The distances are those of a sequence of golden sections, between a half and
     /// three halves of their mean: a periodic motion is checked in all of its phases.
-    fn plan(&self, state: &mut CheckedStateOf<S, P, B, R>) {
+    fn plan(&self, state: &mut StepDoublingStateOf<S, P, B, R>) {
         const GOLDEN: u32 = 0x9E37_79B9;
         state.checking = false;
         state.number = state.number.wrapping_add(1);
@@ -362,9 +362,9 @@ fn later(from: Instant, ticks: u64) -> Instant {
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> Harvester<S>
-    for Checked<S, P, B, R, ALL>
+    for StepDoubling<S, P, B, R, ALL>
 {
-    type State = CheckedStateOf<S, P, B, R>;
+    type State = StepDoublingStateOf<S, P, B, R>;
     type Start = Start<S, B, R>;
 
     const ESTIMATES_ERROR: bool = false;
@@ -454,7 +454,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
         self.stepper.decay_rate()
     }
 
-    fn checked_error(&self, state: &Self::State) -> Option<CheckedError<S>> {
+    fn step_doubling_error(&self, state: &Self::State) -> Option<StepDoublingError<S>> {
         state.checks.error(self.angular_frequency())
     }
 
@@ -465,6 +465,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> H
     }
 }
 
-snapshot_fields!(impl [S: Scalar, T: Snapshot] CheckedState<S, T> {
+snapshot_fields!(impl [S: Scalar, T: Snapshot] StepDoublingState<S, T> {
     run, finer, next, checking, number, energy, change, middle, periods, checks,
 } if |state| state.periods <= PERIODS);

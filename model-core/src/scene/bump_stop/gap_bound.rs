@@ -18,7 +18,7 @@ use crate::scalar::Scalar;
 ///
 /// Each mode contributes the smaller of both bounds (derived here).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Reach<S, const B: usize, const R: usize> {
+pub(super) struct GapBound<S, const B: usize, const R: usize> {
     /// Gap in m by `N` of each mode.
     beam: [S; B],
     rod: [S; R],
@@ -59,7 +59,7 @@ impl<S: Scalar, const B: usize, const R: usize> Flight<S, B, R> {
     }
 }
 
-impl<S: Scalar, const B: usize, const R: usize> Reach<S, B, R> {
+impl<S: Scalar, const B: usize, const R: usize> GapBound<S, B, R> {
     /// For a step in s.
     pub(super) fn new<P: Parts<S>>(scene: &BumpStop<S, P, B, R>, step: S) -> Self {
         let (two, three) = (S::from_f64(2.0), S::from_f64(3.0));
