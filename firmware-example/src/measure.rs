@@ -128,7 +128,7 @@ impl Workload for Nops {
 const BITS: u32 = 24;
 const MASK: u32 = (1 << BITS) - 1;
 
-/// How often SysTick has passed zero. Only the exception writes it, so a load and a storage are
+/// How often SysTick has passed zero. Only the exception writes it, so a load and a store are
 /// enough: the M0 has no atomic addition.
 static WRAPS: AtomicU32 = AtomicU32::new(0);
 

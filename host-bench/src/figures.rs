@@ -43,7 +43,7 @@ impl Panel {
         charts: impl IntoIterator<Item = Chart>,
     ) -> Self {
         let mut charts: Vec<Chart> = charts.into_iter().collect();
-        let height = height / charts.len() as u32;
+        let height = height / charts.len().max(1) as u32;
         charts.iter_mut().for_each(|chart| chart.height = height);
         Self { name: name.into(), width, charts }
     }

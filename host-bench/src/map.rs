@@ -204,7 +204,7 @@ fn of_slices(
         return Err(Failure::of_file(
             &scenes[0],
             format!(
-                "the harvester yields nothing at the {count} places that check the map: other amplitudes?"
+                "the harvester gives no power at the {count} places that check the map: other amplitudes?"
             ),
         ));
     };

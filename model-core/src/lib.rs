@@ -47,7 +47,7 @@
 //! | know the income of a node within µW | [`node`] | [`VoltageNode`](node::VoltageNode), [`FlashMapNode`](node::FlashMapNode) | `node_voltage`, `node` |
 //! | decide which actions a node can run | [`budget`] | [`BudgetParameters`](budget::BudgetParameters) | `estimator` |
 //!
-//! Each module has all names of its task. Every error converts into [`Error`] by `?`.
+//! Each module has all names of its task. Every error converts into [`Error`] by `?`, but for [`node::Fault`] of a board.
 //!
 //! # Modules
 //!
@@ -117,7 +117,8 @@ pub mod estimate {
 /// Keeps the energy of a storage, forecasts it, and decides which actions a node can run.
 pub mod budget {
     pub use crate::energy::{
-        Action, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters, StorageParameters,
+        Action, Battery, BatteryCurve, Budget, BudgetParameters, BudgetState, Capacitor, IncomeParameters,
+        StorageParameters,
     };
 }
 

@@ -33,7 +33,7 @@ pub use voltage::{
     BatteryElement, CapacitorElement, Element, Tolerances, VoltageNode, VoltageParameters, VoltageState,
 };
 
-pub use crate::energy::{Capacitor, ResponseMap, StorageParameters};
+pub use crate::energy::{Battery, Capacitor, ResponseMap, StorageParameters};
 pub use crate::excitation::LineBank;
 
 use crate::bounds::{ParameterError, first_outside};

@@ -94,7 +94,7 @@ impl fmt::Display for Entry {
                 write!(
                     f,
                     "second {second}: code {code}, {stored} pJ stored, bound {within}, {energy} pJ in, \
-                     bound {bound}, {silent} s silent, {income} pJ true, {estimation} pJ on knowing, \
+                     bound {bound}, {silent} s silent, {income} pJ true, {estimation} pJ on estimation, \
                      {readings} readings, {bursts} bursts, {measured} measured, {transmitted} transmitted"
                 )
             }
@@ -133,7 +133,7 @@ pub(super) fn log(entry: &Entry) {
             let [stored, within, energy, bound, estimation] =
                 [state.stored[0], state.stored[1], energy, bound, state.estimation].map(picojoules);
             defmt::info!(
-                "second {=u32}: code {=u32}, {=u64} pJ stored, bound {=u64}, {=u64} pJ in, bound {=u64}, {=u32} s silent, {=u64} pJ true, {=u64} pJ on knowing, {=u32} readings, {=u32} bursts, {=u32} measured, {=u32} transmitted",
+                "second {=u32}: code {=u32}, {=u64} pJ stored, bound {=u64}, {=u64} pJ in, bound {=u64}, {=u32} s silent, {=u64} pJ true, {=u64} pJ on estimation, {=u32} readings, {=u32} bursts, {=u32} measured, {=u32} transmitted",
                 second,
                 code,
                 stored,

@@ -68,7 +68,7 @@ def sweep(scene, over, *, set=None, steady_state=False, states_accuracy=True, **
 
 
 class Map:
-    """A response map: the steady yield of a harvester over amplitude and frequency, as a node has it in flash.
+    """A response map: the steady output power of a harvester over amplitude and frequency, as a node has it in flash.
 
     ``agreement`` is how well it agrees with the full model at random places, ``image`` its bytes, ``picture`` an SVG,
     ``page`` an HTML page.
@@ -110,7 +110,7 @@ class Map:
 
     @property
     def page(self):
-        """All slices of the map as an HTML page with zoom, and with the yield at the pointer."""
+        """All slices of the map as an HTML page with zoom, and with the output power at the pointer."""
         return self._native.page()
 
 

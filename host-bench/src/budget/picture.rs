@@ -77,7 +77,7 @@ fn estimation(day: &NodeDay) -> Option<Chart> {
     let limit = 1e9 * SHARE * day.account.income / f64::from(super::DAY_S);
     let limit = level("1 % of the day's mean income", BLUE, limit);
     let curves = powers.chain([limit]).collect();
-    (!day.estimation.is_empty()).then(|| chart("Knowing the income", "mean power [nW]", curves))
+    (!day.estimation.is_empty()).then(|| chart("Estimating the income", "mean power [nW]", curves))
 }
 
 fn actions(day: &NodeDay) -> Chart {

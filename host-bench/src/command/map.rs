@@ -101,17 +101,17 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let found = map::map(&scene, &request, &arguments.scene.options, &step)?;
     bar.finish_and_clear();
     let name = Name::of_file(&arguments.scene.scene).line();
-    let drawn = map::picture(&found, &name)?;
+    let drawn = || map::picture(&found, &name);
     if let Some([map_file, picture]) = &files {
         if map_file.extension() == Some(OsStr::new("rs")) {
             outputs.keep(map_file, map::module(&found, &name, &command(arguments)));
         } else {
             outputs.keep(map_file, map::bytes(&found));
         }
-        outputs.keep(picture, drawn.svg()?);
+        outputs.keep(picture, drawn()?.svg()?);
     }
     if let Some(file) = &arguments.picture {
-        outputs.keep(file, drawn.of_file(file)?);
+        outputs.keep(file, drawn()?.of_file(file)?);
     }
     let warnings: Vec<String> = missed(&found.agreement, request.error)
         .chain(beside(found.axes.centre_hz, request.frequencies))
@@ -171,7 +171,7 @@ fn missed(agreement: &Agreement, median: f64) -> impl Iterator<Item = String> {
             "the bounds hold",
             agreement.bounds_hold,
             bounds,
-            "a yield outside them is more likely than they say",
+            "an output power outside them is more likely than they say",
         ),
         share(
             "far from the boundaries the motions of the map are right",

@@ -100,7 +100,7 @@ fn print_rows<T: Serialize>(rows: &[T], format: Format, words: usize) -> Result<
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(
-    after_help = "Exit code 3 if a node does not tell a number, does not read its storage for hours, or refuses its image\n\
+    after_help = "Exit code 3 if an hour has no number, does not read its storage for hours, or refuses its image\n\
     Run time: minutes of CPU for ten years, on all cores"
 )]
 pub struct NodeYearsArguments {

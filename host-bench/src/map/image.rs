@@ -169,7 +169,7 @@ impl Content<'_> {
         let all = values.iter().flatten().flatten().flatten().copied();
         let (least, most) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), v| (l.min(v), m.max(v)));
         if !(least.is_finite() && most.is_finite()) {
-            return Err(Failure::Step("no steady motion of this map yields anything".to_owned()));
+            return Err(Failure::Step("no steady motion of this map gives any power".to_owned()));
         }
         // The largest value is below the end of the range; 32 octaves below it values are those of the lowest level.
         let octaves = most.floor() - 30.0;

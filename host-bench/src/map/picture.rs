@@ -19,7 +19,7 @@ const CELLS: [usize; 2] = [128, 64];
 const ROWS: usize = 48;
 /// Light enough on the darkest cells, and seen on white.
 const LIGHT: RGBColor = RGBColor(216, 222, 228);
-/// The values of the map in a cell.
+/// Which motions the map has in a cell.
 const REGIMES: [&str; 4] = [
     "one motion, the lower one",
     "one motion, the upper one",
@@ -88,14 +88,14 @@ fn chart(map: &Map, slice: usize) -> Result<Chart, Failure> {
     chart.curves = [boundaries(map, slice), places(map, slice)].concat();
     chart.note = format!(
         "The abscissa is even in the detuning: the distance from {:.4} Hz in half-bandwidths of {:.4} Hz, compressed \
-         far from it. White: no yield, or none in the map.",
+         far from it. White: no output power, or none in the map.",
         axes.centre_hz, axes.half_bandwidth_hz
     );
     chart.is_of_page = slice > 0;
     Ok(chart)
 }
 
-/// The index of what the map tells of a cell in [`REGIMES`].
+/// The index of the motions of a cell in [`REGIMES`].
 fn regime(cell: &Response) -> usize {
     match cell {
         Response::One { branch: Branch::Lower, .. } => 0,

@@ -355,15 +355,15 @@ mod tests {
         };
         for [full, runs] in [[8, 8], [16, 4], [4, 16], [1, 8]] {
             let cases = 2000;
-            let accepted = (0..cases).filter(|_| {
+            let covered = (0..cases).filter(|_| {
                 let exact = vec![1.0];
                 let full = if full == 1 { exact } else { sample(1.0, full) };
                 let [ratio, error] = change(&full, &sample(1.02, runs)).expect("a change");
                 (ratio - 0.02).abs() <= error
             });
             // Three standard errors of such a count are 30; fewer degrees of freedom than there are make the interval wider.
-            let accepted = accepted.count();
-            assert!((1870..=1990).contains(&accepted), "{full} {runs}: {accepted}");
+            let covered = covered.count();
+            assert!((1870..=1990).contains(&covered), "{full} {runs}: {covered}");
         }
     }
 }

@@ -68,8 +68,8 @@ impl Axis {
         if let Some(numbers) = &self.numbers {
             // On the line between two.
             let at = place.clamp(0.0, 1.0) * (numbers.len() - 1) as f64;
-            let below = (at as usize).min(numbers.len() - 2);
-            let rise = numbers[below + 1] - numbers[below];
+            let below = (at as usize).min(numbers.len().saturating_sub(2));
+            let rise = numbers.get(below + 1).map_or(0.0, |next| next - numbers[below]);
             return format!("{:.2}", numbers[below] + (at - below as f64) * rise);
         }
         if self.is_logarithmic { logarithmic_label(place, all) } else { tick(place) }
@@ -201,7 +201,7 @@ pub(crate) struct Field {
     pub(super) values: Vec<Option<f64>>,
     /// The quantity of the values, and those of the first and of the last colour.
     pub(super) scale: Axis,
-    /// What the pointer tells of a cell: values of its column, of its row, and of itself.
+    /// The readouts of a cell at the pointer: values of its column, of its row, and of itself.
     pub(crate) readouts: Vec<Readout>,
 }
 
@@ -296,7 +296,7 @@ impl Chart {
     ) -> Self {
         let (least, most) = extremes(values.iter().flatten().copied());
         if scale.span[1].is_nan() {
-            scale.span = if least <= most { [least, most] } else { [0.0; 2] };
+            scale.span = if least <= most { [least, most] } else { [f64::from(scale.is_logarithmic); 2] };
         }
         let edges = [across.edges(&columns), up.edges(&rows)];
         [across.span, up.span] = edges.each_ref().map(|edges| [edges[0], edges[edges.len() - 1]]);

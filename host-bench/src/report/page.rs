@@ -193,7 +193,7 @@ fn abscissae(points: &[(f64, f64)]) -> Vec<(usize, f64)> {
     all
 }
 
-/// What the pointer tells, as the script wants it.
+/// A readout, as the script wants it.
 fn readout(readout: &Readout) -> Value {
     let numbers = |values: &[f64]| values.iter().map(|value| short(*value)).collect::<Vec<Value>>();
     match readout {

@@ -60,7 +60,7 @@ pub(crate) fn picture(kind: Kind) -> Result<Picture, Failure> {
         chart("Income of each hour", "mean power [µW]", Some(truth), &estimated),
         chart("Storage", "stored energy [mJ]", None, &stored),
         chart("Actions", "actions since midnight", None, &acted),
-        chart("Knowing the income", "mean power [nW]", None, &estimation),
+        chart("Estimating the income", "mean power [nW]", None, &estimation),
     ];
     let title = "A day of a node by each strategy".to_owned();
     Ok(Picture { title, width: 980, charts, ..Picture::default() })

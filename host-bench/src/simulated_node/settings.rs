@@ -193,7 +193,7 @@ impl Settings {
         by_voltage(node.unwrap_or_else(|error| panic!("{error}")))
     }
 
-    /// What a node is told of a battery.
+    /// The stated values of a battery.
     fn stated(&self, battery: Battery) -> model_core::energy::Battery {
         let tolerance = self.of_capacitance as f32;
         model_core::energy::Battery { tolerance, ..battery.scaled(1.0 / self.scale).of_core() }

@@ -138,7 +138,7 @@ impl<'a> Site<'a> {
     }
 
     /// Power of the harvester in W, and the leakage over that of the data sheet.
-    fn vibration_kind(&self) -> [f64; 2] {
+    fn conditions(&self) -> [f64; 2] {
         let year: f64 = Polynomial::sine_of_turns((self.second % (365 * DAY)) * (u64::MAX / (365 * DAY)));
         let power = Machine::motion(self.second).map_or(0.0, |motion| self.machine.powers[motion]);
         let part = self.second as f64 / self.end as f64;
@@ -154,7 +154,7 @@ impl<'a> Site<'a> {
         let was_off = self.is_off;
         while self.second < until && self.is_off == was_off {
             let seconds = (60 - self.second % 60).min(until - self.second) as f64;
-            let [power, leakage] = self.vibration_kind();
+            let [power, leakage] = self.conditions();
             let draw = if self.is_off { 0.0 } else { self.standing };
             self.energy += seconds * (power - draw - leakage * self.leaking * self.energy);
             self.energy = self.energy.min(self.levels[2]);

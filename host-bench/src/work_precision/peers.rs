@@ -11,7 +11,7 @@ use super::least;
 use crate::method::Failure;
 use crate::reference::{self, ReferenceOptions};
 use crate::scene_file::{Load, RunSpan, Scene};
-use harvester_peers::{Case, Measured, Method, Stop, fits};
+use harvester_peers::{Case, Method, PeerRun, Stop, fits};
 
 use rayon::prelude::*;
 pub(crate) use table::{csv, draw, text};
@@ -203,7 +203,7 @@ fn ladder(scene: &Scene, method: Method, reference: f64, blank: &dyn Fn(f64) -> 
 }
 
 /// A run with the least of the processor times of some, and their spread.
-fn timed(scene: &Scene, method: Method, setting: f64) -> Result<(Measured, Option<f64>), Stop> {
+fn timed(scene: &Scene, method: Method, setting: f64) -> Result<(PeerRun, Option<f64>), Stop> {
     let began = Instant::now();
     let found = harvester_peers::run(scene, method, setting)?;
     let mut times = vec![found.seconds_per_simulated_second];
@@ -211,7 +211,7 @@ fn timed(scene: &Scene, method: Method, setting: f64) -> Result<(Measured, Optio
         times.push(harvester_peers::run(scene, method, setting)?.seconds_per_simulated_second);
     }
     let (seconds_per_simulated_second, spread) = least(&times);
-    Ok((Measured { seconds_per_simulated_second, ..found }, spread))
+    Ok((PeerRun { seconds_per_simulated_second, ..found }, spread))
 }
 
 /// Whether a row of a method is counted.

@@ -25,7 +25,9 @@ fn number(day: &serde_json::Value, key: &str) -> f64 {
 /// Keys of version 0.1 are read as the new ones, with a line for each.
 #[test]
 fn an_old_key_works_with_a_warning() {
-    let short = ["--format", "json", "--set", "run.duration_s=3", "--set", "run.settle_s=2"];
+    let picture = folder("budget-old").join("day.svg");
+    let path = picture.to_str().expect("a plain path");
+    let short = ["--format", "json", "--set", "run.duration_s=3", "--set", "run.settle_s=2", "--svg", path];
     let day = |file: &str, more: &[&str]| {
         let output = host_bench(&[&["budget", file], &short[..], more].concat());
         assert_eq!(output.status.code(), Some(0), "{output:?}");
@@ -73,7 +75,7 @@ fn a_day_adds_up_and_is_drawn() {
     assert!(of("budget_error") < 1e-3 && of("lockout_s") == 0.0, "{told}");
     assert!(of("lowest_voltage_v") >= 2.44, "{told}");
     let labels = ["stored energy [mJ]", "harvested power [µW]", "runs per hour", "measure", "transmit"];
-    for label in labels.into_iter().chain(["Knowing the income", "mean power [nW]", "voltage_reading"]) {
+    for label in labels.into_iter().chain(["Estimating the income", "mean power [nW]", "voltage_reading"]) {
         assert!(picture.contains(label), "{label} is in the picture");
     }
 }

@@ -104,6 +104,7 @@ impl Battery {
             return Err(error);
         }
         Ok(BatteryCurve {
+            capacitance: S::from_f64(capacitance.into()),
             pieces: self.pieces(capacitance)?.map(|piece| piece.map(S::from_f64)),
             voltages: Bounds::new(self.voltages().lowest.into(), self.voltages().highest.into()),
             charging_efficiency: S::from_f64(self.charging_efficiency.into()),
@@ -118,6 +119,8 @@ impl Battery {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BatteryCurve<S> {
     pieces: [[S; 3]; PIECES],
+    /// Of the capacitor beside the battery, in F.
+    pub(super) capacitance: S,
     pub(super) voltages: Bounds<S>,
     pub(super) charging_efficiency: S,
     pub(super) self_discharge: S,
@@ -246,6 +249,9 @@ mod tests {
             lock_out_voltage: 2.5,
             turn_on_voltage: 2.7,
         };
+        let other = Capacitor { capacitance: 2e-4, ..storage.capacitor };
+        let other = StorageParameters { capacitor: other, ..storage }.build_with_battery(curve);
+        assert_eq!(other.err().map(|error| error.field), Some("capacitance"));
         let income = IncomeParameters { time_constant: 14_400.0, day_weight: 0.5 };
         let parameters = BudgetParameters { storage, income, standing_power: 10e-6 };
         let budget = parameters.build_with_battery::<48>(curve).expect("valid");

@@ -66,12 +66,16 @@ impl<S: Scalar> StorageParameters<S> {
     /// Checks the parameters, with a battery beside the capacitor. The leakage resistance counts as at the highest voltage.
     ///
     /// # Errors
-    /// The first field outside its bounds; lock-out and highest voltage must be within those of the battery.
+    /// The first field outside its bounds; the capacitance must be that of the curve, and lock-out and highest voltage must be
+    /// within those of the battery.
     pub fn build_with_battery(
         self,
         battery: &'static BatteryCurve<S>,
     ) -> Result<Storage<S>, ParameterError<S>> {
         self.check()?;
+        // The curve has the capacitance in f32.
+        let [lowest, highest] = [1.0 - 1e-6, 1.0 + 1e-6].map(|part| S::from_f64(part) * battery.capacitance);
+        Bounds { lowest, highest }.check("capacitance", self.capacitor.capacitance)?;
         battery.voltages.check("lock_out_voltage", self.lock_out_voltage)?;
         battery.voltages.check("highest_voltage", self.highest_voltage)?;
         let highest = self.highest_voltage;

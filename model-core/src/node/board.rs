@@ -262,9 +262,9 @@ where
         Ok(sequence)
     }
 
-    /// Reads the newest image of this node to the state; gives its number and slot. Without one, or if it `may_retain`, the state stays.
+    /// Reads the newest image of this node to the state; gives its number and slot. Without one, or with `keeps_state`, the state stays.
     #[inline(never)]
-    fn take_newest(&mut self, buffer: &mut [u8], may_retain: bool) -> Result<(u32, usize), SnapshotError> {
+    fn take_newest(&mut self, buffer: &mut [u8], keeps_state: bool) -> Result<(u32, usize), SnapshotError> {
         let state = self.state;
         let numbers = [0, 1].map(|slot| {
             let mut head = [0; NUMBERED];
@@ -272,7 +272,7 @@ where
             number(&head)
         });
         let newest = newest_slot(numbers, |slot| self.take_image(slot, buffer));
-        if may_retain || newest.is_err() {
+        if keeps_state || newest.is_err() {
             self.state = state;
         }
         newest

@@ -1,6 +1,6 @@
 //! The node that takes bursts of acceleration samples where the voltage of its storage says nothing of the income.
 //!
-//! It is a [`VoltageNode`] with a response map. A burst gives the output power by the map; the ratio of the true to the modelled power,
+//! It is a [`VoltageNode`] with a response map. A burst gives the output power by the map; the ratio of the true to the predicted power,
 //! the *gain* of the map, is learnt from the income between two readings where the storage's voltage resolves it. The map is used
 //!
 //! * while the storage is full: for what is shunted;
@@ -67,7 +67,7 @@ pub struct MapState<const P: usize, const ACTIONS: usize> {
     voltage: VoltageState<ACTIONS>,
     burst: Burst<P>,
     latest: LatestPower,
-    /// Modelled energy since the last reading that was used, and since the begin of the hour.
+    /// Predicted energy since the last reading that was used, and since the begin of the hour.
     interval: PredictedEnergy,
     hour: PredictedEnergy,
     /// Gain of the map, its variance, and comparisons in turn that contradict it.

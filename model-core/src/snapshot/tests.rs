@@ -87,7 +87,11 @@ fn another_model_state_or_version_is_foreign() {
     assert_eq!(restore::<Sample>(98, &snapshot()), Err(SnapshotError::ForeignModel));
     assert_eq!(restore::<[f64; 3]>(99, &snapshot()), Err(SnapshotError::ForeignModel));
     assert_eq!(restore::<Sample>(99, &[0xff; SIZE]), Err(SnapshotError::NotASnapshot));
-    let mut later = snapshot();
-    later[4] = 6;
-    assert_eq!(restore::<Sample>(99, &later), Err(SnapshotError::ForeignVersion { version: 6 }));
+    // Version 5 was that of 0.1.
+    for version in [5, 7] {
+        let mut other = snapshot();
+        other[4] = version;
+        let version = version.into();
+        assert_eq!(restore::<Sample>(99, &other), Err(SnapshotError::ForeignVersion { version }));
+    }
 }

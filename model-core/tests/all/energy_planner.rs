@@ -36,7 +36,7 @@ enum Rule {
     /// The plan by what the budget learnt; an action runs if the budget allows it now.
     Learnt,
     /// The plan by the true income; an action runs if it can be afforded.
-    EstimationCost,
+    Foresight,
     /// No action.
     Idle,
 }
@@ -61,7 +61,7 @@ struct Compared {
     /// What was there and what came, had nothing been shunted or leaked, in J at the load.
     brought: f64,
     learnt: Spent,
-    knowing: Spent,
+    foresight: Spent,
     idle: Spent,
     /// The unevenness of a node that spends whatever it can afford.
     greedy: f64,
@@ -129,7 +129,7 @@ impl Node {
             hours: self.hours,
             brought: (self.truth.energy - self.truth.lock_out + came) * self.truth.discharging,
             learnt: run(Rule::Learnt),
-            knowing: run(Rule::EstimationCost),
+            foresight: run(Rule::Foresight),
             idle: run(Rule::Idle),
             greedy: self.greedy(&ahead),
         }
@@ -159,17 +159,17 @@ impl Node {
                 Rule::Learnt => {
                     planned = f64::from(self.budget.planned_power(&state, self.action.energy()));
                 }
-                Rule::EstimationCost if minute % REPLAN == 0 => {
+                Rule::Foresight if minute % REPLAN == 0 => {
                     planned = self.knowing_power(&truth, &ahead[minute as usize..]);
                 }
-                Rule::EstimationCost | Rule::Idle => {}
+                Rule::Foresight | Rule::Idle => {}
             }
             credit = (credit + (planned - self.standing) * 60.0 / work).clamp(0.0, 20.0);
             let now = 60 * minute;
             while credit >= 1.0
                 && match rule {
                     Rule::Learnt => self.budget.can_run_now(&state, &self.action, now),
-                    Rule::EstimationCost | Rule::Idle => self.budget.can_afford(&state, &self.action, now),
+                    Rule::Foresight | Rule::Idle => self.budget.can_afford(&state, &self.action, now),
                 }
             {
                 self.budget.spend(&mut state, self.action.energy());
@@ -256,20 +256,20 @@ fn random_days(seed: u64, count: u32) -> Vec<Compared> {
 /// A row of the table in docs/energy.md; gives the mean of the spending over that with perfect knowledge.
 fn tell(days: &[Compared], [from, to]: [f64; 2]) -> f64 {
     let days: Vec<_> = days.iter().filter(|day| from <= day.hours && day.hours < to).collect();
-    let relative = sorted(days.iter().map(|day| day.learnt.used / day.knowing.used));
+    let relative = sorted(days.iter().map(|day| day.learnt.used / day.foresight.used));
     let brought = mean(days.iter().map(|day| day.learnt.used / day.brought));
-    let knowing = mean(days.iter().map(|day| day.knowing.used / day.brought));
+    let foresight = mean(days.iter().map(|day| day.foresight.used / day.brought));
     let locked = |of: fn(&Compared) -> Spent| days.iter().filter(|day| of(day).locked_out > 0).count();
     let part = mean(relative.iter().copied());
     println!(
         "| {from} to {to} h | {} | {:.1} % | {:.1} % | {:.1} % | {:.1} % | {} | {} | {} |",
         days.len(),
         100.0 * brought,
-        100.0 * knowing,
+        100.0 * foresight,
         100.0 * part,
         100.0 * relative[relative.len() / 20],
         locked(|day| day.learnt),
-        locked(|day| day.knowing),
+        locked(|day| day.foresight),
         locked(|day| day.idle),
     );
     part
@@ -277,23 +277,23 @@ fn tell(days: &[Compared], [from, to]: [f64; 2]) -> f64 {
 
 fn check(days: &[Compared]) {
     println!(
-        "| store | days | used of brought | knowing | used of knowing | 5th percentile | locked out | knowing | idle |"
+        "| store | days | used of brought | foresight | used of foresight | 5th percentile | locked out | foresight | idle |"
     );
     for (span, least) in [([1.0, 3.0], 0.9), ([3.0, 8.0], 0.9), ([8.0, 24.0], 0.97), ([1.0, 24.0], 0.93)] {
         let part = tell(days, span);
         assert!(part >= least, "{span:?}: {part}");
     }
     for day in days {
-        assert_eq!(day.learnt.emptied + day.knowing.emptied, 0, "{day:?}");
+        assert_eq!(day.learnt.emptied + day.foresight.emptied, 0, "{day:?}");
         // No action takes from the standing load: a node is locked out if it would be without any action only.
         assert!(day.learnt.locked_out == 0 || day.idle.locked_out > 0, "{day:?}");
         // All that was brought is an upper bound of what perfect knowledge can spend.
-        assert!(day.knowing.used <= day.brought * (1.0 + 1e-9), "{day:?}");
+        assert!(day.foresight.used <= day.brought * (1.0 + 1e-9), "{day:?}");
     }
     let median = |of: fn(&Compared) -> f64| sorted(days.iter().map(of))[days.len() / 2];
     let (even, greedy) = (median(|day| day.learnt.unevenness), median(|day| day.greedy));
-    let knowing = median(|day| day.knowing.unevenness);
-    println!("unevenness of the hours: {even:.2}, knowing {knowing:.2}, without a plan {greedy:.2}");
+    let foresight = median(|day| day.foresight.unevenness);
+    println!("unevenness of the hours: {even:.2}, foresight {foresight:.2}, without a plan {greedy:.2}");
     assert!(even < 0.5 * greedy, "{even} {greedy}");
 }
 

@@ -14,7 +14,7 @@ use model_core::scalar::Scalar;
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Mode {
     Free,
-    AmplitudeContinuation,
+    Closed,
 }
 
 const STOP: f64 = 0.1;
@@ -45,7 +45,7 @@ impl<S: Scalar> Problem<S, 3> for Latched {
             Mode::Free => {
                 [y[1], input - S::from_f64(DAMPING) * y[1] - S::from_f64(STIFFNESS) * y[0], S::ZERO]
             }
-            Mode::AmplitudeContinuation => [S::ZERO, S::ZERO, -S::ONE],
+            Mode::Closed => [S::ZERO, S::ZERO, -S::ONE],
         }
     }
 
@@ -80,29 +80,25 @@ impl<S: Scalar> Problem<S, 3> for Latched {
                 let lowered = if armed { S::ZERO } else { Self::margin() };
                 [y[0] + S::from_f64(STOP) + lowered, rate[0]]
             }
-            Mode::AmplitudeContinuation => [y[2], rate[2]],
+            Mode::Closed => [y[2], rate[2]],
         }
     }
 
     fn rearms(&self, mode: Mode, y: &[S; 3]) -> bool {
-        mode == Mode::AmplitudeContinuation || y[1] > S::ZERO && y[0] + S::from_f64(STOP) > Self::margin()
+        mode == Mode::Closed || y[1] > S::ZERO && y[0] + S::from_f64(STOP) > Self::margin()
     }
 
     fn leap(&self, mode: Mode, _index: usize, y: &[S; 3]) -> Leap<S, Mode, 3> {
         let rest = -S::from_f64(STOP);
         match mode {
             // A slow impact is caught, a fast one rebounds.
-            Mode::Free if y[1] > -S::from_f64(3.0) => Leap {
-                mode: Mode::AmplitudeContinuation,
-                state: [rest, S::ZERO, S::from_f64(HOLD)],
-                armed: true,
-            },
+            Mode::Free if y[1] > -S::from_f64(3.0) => {
+                Leap { mode: Mode::Closed, state: [rest, S::ZERO, S::from_f64(HOLD)], armed: true }
+            }
             Mode::Free => {
                 Leap { mode: Mode::Free, state: [rest, -S::from_f64(0.6) * y[1], S::ZERO], armed: true }
             }
-            Mode::AmplitudeContinuation => {
-                Leap { mode: Mode::Free, state: [rest, S::ZERO, S::ZERO], armed: false }
-            }
+            Mode::Closed => Leap { mode: Mode::Free, state: [rest, S::ZERO, S::ZERO], armed: false },
         }
     }
 }
@@ -187,7 +183,7 @@ fn after_release<S: Scalar>(push: f64) -> Option<f64> {
     let input = Given(move |_| push);
     let control = Adaptive::new(S::from_f64(1e-4)).expect("in bounds");
     let start = [-S::from_f64(STOP), S::ZERO, S::from_f64(HOLD)];
-    let mut state = HybridState::start(&machine, Mode::AmplitudeContinuation, start, &input, &control);
+    let mut state = HybridState::start(&machine, Mode::Closed, start, &input, &control);
     let driver = Driver::new(TrBdf2, control);
     let mut log = Log::new();
     let until = Instant::from_seconds(HOLD + 0.04).expect("in range");

@@ -176,8 +176,8 @@ fn compare(setup: &Setup, lines: &[Timeline], most: f64) {
     assert!(all.inside >= 0.95 && by_voltage.inside >= 0.95 && by_voltage.hours > 0);
     assert!(all_of_map.inside >= 0.95 && of_map.inside >= 0.95);
     assert!(by_voltage.median <= most * by_difference.median, "{by_voltage:?} {by_difference:?}");
-    let is_stated = all.hours == all_of_map.hours && voltage.shunted == 0.0;
-    assert!(!is_stated || by_map.share <= 1.3 * voltage.share, "{} {}", by_map.share, voltage.share);
+    let is_resolved = all.hours == all_of_map.hours && voltage.shunted == 0.0;
+    assert!(!is_resolved || by_map.share <= 1.3 * voltage.share, "{} {}", by_map.share, voltage.share);
     assert!(by_voltage.bound <= 1.06 * by_difference.bound);
     // What is stored at the end is up to an action more or less.
     assert!(voltage.actions + voltage.runs >= difference.actions);
@@ -312,7 +312,7 @@ fn a_week_of_the_larger_harvester_costs_less_than_a_hundredth_and_never_locks_ou
         let run = World::new(&settings, (&minutes, &vibration), parts, 1).run(&mut node, |_| {});
         let errors = Errors::of(run.hours.iter().filter(|hour| hour.truth > 1e-6 * 3600.0));
         println!(
-            "{}: {income:.3e} W, {:.3} % on knowing, {} actions, {:.1} % shunted, {} readings, {} bursts, hours: \
+            "{}: {income:.3e} W, {:.3} % on estimation, {} actions, {:.1} % shunted, {} readings, {} bursts, hours: \
              inside {:.1} %, median error {:.2} %",
             processor.name,
             100.0 * run.share,

@@ -1,8 +1,10 @@
 //! A TOML document as a tree that remembers the line of every value, with overrides put into it.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -15,6 +17,8 @@ use crate::name::Name;
 
 /// Table, old name and new name of the keys that version 0.2 renamed.
 const OLD_KEYS: [[&str; 3]; 1] = [["node", "listen", "burst"]];
+/// Files with an old key that has been named.
+static WARNED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// Longest value that a message repeats in full.
 const SHOWN: usize = 60;
 
@@ -165,7 +169,7 @@ impl Document {
         Ok(document)
     }
 
-    /// Renames the keys of version 0.1 of a file, with a line on standard error for each.
+    /// Renames the keys of version 0.1 of a file, with a line on standard error when a file is read first.
     fn rename_old_keys(&mut self) {
         for [table, old, new] in OLD_KEYS {
             let Content::Table(root) = &mut self.content else { return };
@@ -175,10 +179,12 @@ impl Document {
                 && let Some((name, _)) = entries.iter_mut().find(|(name, _)| name == old)
             {
                 new.clone_into(name);
-                let file = Name::new(self.file.display().to_string()).line();
-                // Without a standard error nothing can be printed.
-                let _ =
-                    writeln!(std::io::stderr(), "warning: {file}: {table}.{old} is now named {table}.{new}");
+                if WARNED.lock().is_ok_and(|mut warned| warned.insert(self.file.clone())) {
+                    let file = Name::new(self.file.display().to_string()).line();
+                    let text = format!("warning: {file}: {table}.{old} is now named {table}.{new}");
+                    // Without a standard error nothing can be printed.
+                    let _ = writeln!(std::io::stderr(), "{text}");
+                }
             }
         }
     }

@@ -231,7 +231,8 @@ fn one_storage(section: &mut Section<'_>, draw: Draw) -> Result<(), SceneError> 
     for key in of_storage.iter().chain(of_draw) {
         if section.has(key) {
             let table = if of_draw.contains(key) { "load.draw" } else { "load" };
-            let reason = format!("must not be given beside the storage in [load]; give {table}.{key}");
+            let other = if *key == "battery" { String::new() } else { format!("; give {table}.{key}") };
+            let reason = format!("must not be given beside the storage in [load]{other}");
             return Err(section.refuse(key, reason));
         }
     }
@@ -253,7 +254,8 @@ fn in_order(section: &Section<'_>, storage: &Storage) -> Result<(), SceneError> 
     if let Some([lowest, highest]) = storage.battery.map(|battery| battery.ends()) {
         for (key, voltage) in [("turn_off_v", turn_off_v), ("initial_v", initial_v), ("highest_v", highest_v)]
         {
-            if !(lowest..=highest).contains(&voltage) {
+            // The voltages of a battery are those of the core, in f32.
+            if !(lowest..=highest).contains(&f64::from(voltage as f32)) {
                 let range = format!("must be from {lowest:.4} to {highest:.4}, the voltages of the battery");
                 return Err(section.refuse(key, range));
             }

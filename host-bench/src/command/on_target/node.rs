@@ -156,7 +156,7 @@ fn day_note(
     format!(
         "{core}. Income in uW until that time of the day, estimated with its bound, and that of the plant. Inside: {inside} of {} hours, of which
 {} have an income. {readings} readings, {bursts} bursts, {measured} measurements, {transmitted} transmissions.
-By its own books the node spent {:.2} % of the income on knowing it.
+By its own books the node spent {:.2} % of the income on estimating it.
 {} losses of power; after each the node came to the same bits. Each logged value has the host's bits.
 The node on a board takes {} bytes of flash, map included, and two pages for images of {IMAGE_BYTES} bytes. RAM: {} bytes, of which
 static {}, state {}, image {}; the rest is stack.

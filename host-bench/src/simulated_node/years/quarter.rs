@@ -60,7 +60,7 @@ impl Quarter {
         (f64::from(hour.energy) - truth).abs() <= f64::from(hour.bound)
     }
 
-    /// Refuses a quarter of a node that did not read, told no number, or lost an image of its own.
+    /// Refuses a quarter of a node that did not read, gave no number, or lost an image of its own.
     ///
     /// # Errors
     /// The quarter and the count.

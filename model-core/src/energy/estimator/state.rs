@@ -38,7 +38,7 @@ pub(super) struct Queue<S> {
 const MOST_QUEUED: u32 = 1 << 16;
 
 impl<S: Scalar> Queue<S> {
-    /// Removes the next sample; whether its value is uncertain; `None` for an empty queue.
+    /// Removes the next sample, with whether its value is uncertain; `None` for an empty queue.
     #[inline]
     pub(super) fn next(&mut self) -> Option<(S, bool)> {
         self.left = self.left.checked_sub(1)?;

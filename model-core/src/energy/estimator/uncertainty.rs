@@ -99,7 +99,7 @@ pub struct Estimate<S> {
 /// first second from rest it can be half of the actual error.
 /// `cargo test -p model-core estimator::uncertainty -- --nocapture` prints the ratios.
 ///
-/// [`bump_stop::StepDoubling`](crate::scene::bump_stop::Checked) checks its steps against steps of half the length in a part of the
+/// [`bump_stop::StepDoubling`](crate::scene::bump_stop::StepDoubling) checks its steps against steps of half the length in a part of the
 /// time. Its figure is twice the change of the delivered energy in the checks, with twice the standard error of that.
 ///
 /// # Rounding

@@ -1,4 +1,4 @@
-//! The income by the map: the modelled output power, held from burst to burst.
+//! The income by the map: the predicted output power, held from burst to burst.
 //!
 //! Between two bursts the power is taken to have jumped once, at any time: its mean is that of both, and the variance of its
 //! integral over the time `t` is `(Δ t)²/12`. After the last burst it walks, by `c` in W² a second, which is the mean of
@@ -16,7 +16,7 @@ const EXPECTED: f32 = 0.5;
 /// Part of the largest power by which the power changes at least in the root of an hour: vibration begins and ends.
 const LEAST_CHANGE: f32 = 0.03;
 
-/// The modelled output power since the last burst.
+/// The predicted output power since the last burst.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct LatestPower {
@@ -29,7 +29,7 @@ pub(super) struct LatestPower {
     change: f32,
 }
 
-/// ModelledEnergy energy of a time.
+/// Predicted energy of a time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct PredictedEnergy {

@@ -13,7 +13,7 @@ pub struct MapParameters<const ACTIONS: usize> {
     pub sensor: Sensor,
     /// When to take a burst.
     pub bursts: Bursts,
-    /// Standard deviation of the gain of the map, its ratio of the true to the modelled output power, before any comparison
+    /// Standard deviation of the gain of the map, its ratio of the true to the predicted output power, before any comparison
     /// with the storage, 10⁻³ to 10: 0.05 of a harvester whose gain was measured, 1 of one of which nothing is known.
     pub gain: f32,
     /// Of its change in an hour, 0 to 10.

@@ -75,7 +75,7 @@ impl Element for BatteryElement {
     const IS_FLAT: bool = true;
 
     fn energy(&self, code: u32) -> f32 {
-        let open = real(code) + self.drop;
+        let open = Scalar::max(real(code) + self.drop, 0.0);
         let square = open * open;
         let [energy, begin, per_code] = piece_at(&self.pieces, 1, square);
         Scalar::max(energy + per_code * (square - begin), 0.0)

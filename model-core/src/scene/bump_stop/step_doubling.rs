@@ -37,7 +37,7 @@ const MOST_CATCHING_UP: u32 = 128;
 /// # use model_core::excitation::Sine;
 /// # use model_core::part::{load::Resistor, monomorph::Layer};
 /// # use model_core::scene::Harvester;
-/// # use model_core::scene::bump_stop::{Checked, Choices, Parameters, ResidualFlexibility, Stepper, Stop};
+/// # use model_core::scene::bump_stop::{Choices, Parameters, ResidualFlexibility, StepDoubling, Stepper, Stop};
 /// # fn main() -> Result<(), model_core::Error> {
 /// # let parameters = Parameters {
 /// #     beam_length: 50e-3_f32,
@@ -63,11 +63,11 @@ const MOST_CATCHING_UP: u32 = 128;
 /// let mut steps = [26e-6, 360e-6]; // near contact and in flight, in s
 /// for _ in 0..4 {
 ///     let [short, long] = steps;
-///     let harvester = Checked::new(Stepper::new(scene, short, long)?, 8);
+///     let harvester = StepDoubling::new(Stepper::new(scene, short, long)?, 8);
 ///     let mut state = harvester.start(&Default::default(), &excitation)?;
 ///     let mut meter = PowerMeter::new();
 ///     harvester.advance(&mut state, &excitation, Instant::from_whole_seconds(2), u32::MAX, &mut meter)?;
-///     let Some(error) = harvester.checked_error(&state) else { continue };
+///     let Some(error) = harvester.step_doubling_error(&state) else { continue };
 ///     if error.relative < 2e-3 {
 ///         break;
 ///     }

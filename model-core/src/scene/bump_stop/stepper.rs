@@ -32,7 +32,7 @@ pub(super) const LEVELS: usize = 4;
 
 /// A bump-stop harvester with its step lengths, and the coefficients of a bound on the gap within a step.
 ///
-/// The gap cannot reach zero within a step if `max(g, g⁺)` is below zero by more than the gap can depart from a straight
+/// The gap cannot gap_bound zero within a step if `max(g, g⁺)` is below zero by more than the gap can depart from a straight
 /// line (`GapBound`). A longer step is attempted if the free motion leaves the gap open, and is taken if the whole bound
 /// does. Between the short step and the long one are their geometric mean, and the geometric mean of that and the short
 /// step: most steps near contact are limited by the gap.
@@ -47,7 +47,7 @@ pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const
     /// From the long step to the short one.
     pub(super) sets: [StepSetOf<S, P, B, R>; LEVELS],
     /// Of all steps but the short one.
-    reaches: [GapBound<S, B, R>; LEVELS - 1],
+    gap_bounds: [GapBound<S, B, R>; LEVELS - 1],
     gramians: [[GramianSet<S, B, R>; LEVELS]; ALL],
 }
 
@@ -111,10 +111,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     #[inline(always)]
     pub(super) fn of_ticks(scene: BumpStop<S, P, B, R>, [a, b, c, d]: [u32; LEVELS]) -> Self {
         // Not by a map, which would need the space of all sets twice.
-        let reach = |ticks| GapBound::new(&scene, seconds_of_ticks(ticks));
+        let gap_bound = |ticks| GapBound::new(&scene, seconds_of_ticks(ticks));
         Self {
             gramians: core::array::from_fn(|_| [a, b, c, d].map(|ticks| GramianSet::new(&scene, ticks))),
-            reaches: [reach(a), reach(b), reach(c)],
+            gap_bounds: [gap_bound(a), gap_bound(b), gap_bound(c)],
             sets: [scene.step_set(a), scene.step_set(b), scene.step_set(c), scene.step_set(d)],
             scene,
         }
@@ -248,8 +248,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             return None;
         }
         // There is none for the short step: only its end must be clear.
-        let Some(reach) = self.reaches.get(level) else { return Some(S::ZERO) };
-        let modes = if ContactOf::<S, P>::POSSIBLE { reach.of_modes(flight) } else { S::ZERO };
+        let Some(gap_bound) = self.gap_bounds.get(level) else { return Some(S::ZERO) };
+        let modes = if ContactOf::<S, P>::POSSIBLE { gap_bound.of_modes(flight) } else { S::ZERO };
         (set.ticks > self.short().ticks && self.is_clear(ahead + modes)).then_some(modes)
     }
 
@@ -266,10 +266,10 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         work: &mut Work,
     ) -> Result<bool, StepError<S>> {
         let Some(set) = self.sets.get(level) else { return Ok(false) };
-        let reach = self.reaches.get(level);
+        let gap_bound = self.gap_bounds.get(level);
         let bound = self.interpolation_bound_of_voltage(pair.now, set.step);
         let blocks = self.blocks(pair.now, bound);
-        if !(blocks || (reach.is_some() && self.scene.load.resolves(bound, &pair.now.circuit))) {
+        if !(blocks || (gap_bound.is_some() && self.scene.load.resolves(bound, &pair.now.circuit))) {
             return Ok(false);
         }
         let base = excitation.line(pair.now.clock, set.ticks, set.step, pair.now.acceleration);
@@ -280,9 +280,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             self.scene.trial(set, pair.now, &base, pair.next, &mut trial);
             trial
         };
-        if let Some(reach) = reach {
+        if let Some(gap_bound) = gap_bound {
             let largest = base.mean.abs() + base.tilt.abs();
-            room += reach.of_forces(largest, trial.mean_voltage.abs() + trial.voltage_tilt.abs());
+            room += gap_bound.of_forces(largest, trial.mean_voltage.abs() + trial.voltage_tilt.abs());
         }
         if self.is_clear(pair.now.gap.max(pair.next.gap) + room)
             && (self.blocks(pair.next, bound)

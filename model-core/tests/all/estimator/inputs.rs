@@ -18,7 +18,7 @@ use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{AnyChoices, StepDoubling, Stepper};
 use model_core::scene::{Harvester, Scene, Simulation};
 
-/// A seed on whose inputs the factors of coverage in `estimator/sensor.rs` were fitted, with two more.
+/// A seed on whose inputs the factors of coverage in `estimator/sampling.rs` were fitted, with two more.
 const FITTED: u64 = 11;
 /// The seed on whose inputs the statement is tested.
 const TESTED: u64 = 5_000_011;
