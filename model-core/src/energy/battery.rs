@@ -265,12 +265,12 @@ mod tests {
         // Ten hours of 0.3 mW, and as many of an action of 20 mJ each minute.
         let mut energy = begun;
         for minute in 0..1200 {
-            let (totals, spent) = if minute < 600 { (18e-3, 0.0) } else { (0.0, 20e-3) };
-            budget.update(&mut state, 60, totals, spent);
+            let (harvested, spent) = if minute < 600 { (18e-3, 0.0) } else { (0.0, 20e-3) };
+            budget.update(&mut state, 60, harvested, spent);
             for _ in 0..600 {
                 // Explicit, in tenths of a second.
                 energy +=
-                    (f64::from(0.98_f32) * 0.9 * totals - (spent + 600e-6) / 0.8) / 600.0 - 1e-9 * energy;
+                    (f64::from(0.98_f32) * 0.9 * harvested - (spent + 600e-6) / 0.8) / 600.0 - 1e-9 * energy;
             }
         }
         assert!((state.energy() / energy - 1.0).abs() < 1e-9, "{} {energy}", state.energy());

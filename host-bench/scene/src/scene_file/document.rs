@@ -16,7 +16,7 @@ use crate::input::{MOST_OF_SCENE, read};
 use crate::name::Name;
 
 /// Table, old name and new name of the keys that version 0.2 renamed.
-const OLD_KEYS: [[&str; 3]; 1] = [["node", "listen", "burst"]];
+pub(super) const OLD_KEYS: [[&str; 3]; 1] = [["node", "listen", "burst"]];
 /// Files with an old key that has been named.
 static WARNED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// Longest value that a message repeats in full.

@@ -3,7 +3,7 @@
 use toml::de::DeTable;
 
 use super::KEYS;
-use super::document::{Content, Origin, convert};
+use super::document::{Content, OLD_KEYS, Origin, convert};
 use super::key::walk;
 
 /// A value to put into the document before it is read: `a.b=c`.
@@ -19,14 +19,7 @@ impl Override {
     #[must_use]
     pub fn new(key: &str, value: &str) -> Self {
         let parts: Vec<&str> = key.split('.').map(str::trim).collect();
-        let key = match parts.join(".") {
-            // The name of version 0.1.
-            old if old == "node.listen" || old.starts_with("node.listen.") => {
-                old.replacen("listen", "burst", 1)
-            }
-            key => key,
-        };
-        Self { key, value: value.trim().to_owned(), option: "--set" }
+        Self { key: current(&parts).join("."), value: value.trim().to_owned(), option: "--set" }
     }
 
     /// The same of another option than `--set`, which an error then names.
@@ -81,6 +74,12 @@ impl std::str::FromStr for Override {
             _ => Err("must be KEY=VALUE, for example run.duration_s=5".to_owned()),
         }
     }
+}
+
+/// The parts of a key, by the names of this version.
+fn current<'a>(parts: &[&'a str]) -> Vec<&'a str> {
+    let renamed = OLD_KEYS.iter().find(|[table, old, _]| parts.starts_with(&[table, old]));
+    renamed.map_or_else(|| parts.to_vec(), |[table, _, new]| [&[*table, *new], &parts[2..]].concat())
 }
 
 /// The other name of the quantity that the last part of a key names.
