@@ -12,6 +12,7 @@ use clap::{Args, ValueEnum};
 use comfy_table::presets;
 use firmware_example::workload::contact_separation::{self, SMOOTH, SMOOTH_STEP, SMOOTH_TOLERANCES};
 use firmware_example::workload::{bump_stop, named, peer, sliding};
+use rayon::prelude::*;
 use serde_json::Value;
 
 use super::count;
@@ -100,6 +101,11 @@ pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
     }
     output.finish();
     Ok(())
+}
+
+/// What `run` gives on each core; the cores are built and run side by side.
+fn on_each<T: Send>(cores: &[Core], run: impl Fn(Core) -> Result<T, Error> + Sync) -> Result<Vec<T>, Error> {
+    cores.par_iter().map(|&core| run(core)).collect()
 }
 
 /// The bench on `core`, announced on standard error.

@@ -70,7 +70,8 @@ pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
     let io_error = |source| Error::Io { core, source };
 
     let all = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
-    let target_directory = workspace.join(all).join("on-target");
+    // A directory for each board: the cores are built side by side.
+    let target_directory = workspace.join(all).join("on-target").join(hardware.board);
     let status = toolchain
         .cargo("build", hardware.target)
         .args(is_quiet().then_some("--quiet"))
@@ -88,12 +89,10 @@ pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
         return Err(Error::Cargo(core));
     }
 
-    // A copy for each board and variant, because the next build overwrites this one. A target directory for each
-    // would compile `core` and the dependencies again.
+    // A copy for each variant, because the next build overwrites this one. A target directory for each would compile
+    // `core` and the dependencies again.
     let built = target_directory.join(hardware.target).join(binary.profile()).join(binary.name);
-    let copy = target_directory.join(hardware.board);
-    fs::create_dir_all(&copy).map_err(io_error)?;
-    let to = copy.join(binary.variant.unwrap_or(binary.name).replace("::", "-"));
+    let to = target_directory.join(binary.variant.unwrap_or(binary.name).replace("::", "-"));
     fs::copy(built, &to).map(|_| to).map_err(io_error)
 }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 use firmware_example::workload::{Variant, bump_stop, contact_separation, named, sliding};
 
 use super::rows::{self, Case, Column, RADAU, Row, Steps};
-use super::{Output, bench};
+use super::{Output, bench, on_each};
 use crate::on_target::Error;
 use crate::on_target::qemu::Core;
 use crate::scene_file::{Draw, ForceLaw, Load, Model, RectifiedStore};
@@ -24,18 +24,23 @@ const RUN: Column = ("run", |row| row.case.name.clone());
 /// If the firmware does not build or run, or computes other bits than the host.
 pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Result<(), Error> {
     let (benches, others) = (benches()?, others()?);
-    let (mut bench_rows, mut other_rows) = (Vec::new(), Vec::new());
-    for &core in cores {
+    let measured = on_each(cores, |core| {
         let bench = bench(core, limit)?;
+        let mut bench_rows = Vec::new();
         for (variant, case) in &benches {
             bench_rows.extend(rows::measure(&bench, variant, vec![case.clone()])?);
         }
         // The board of the Cortex-M3 has 8 kB of RAM, too few for the last of them.
         let fitting = others.len() - usize::from(core == Core::M3);
+        let mut other_rows = Vec::new();
         for (variant, cases) in &others[..fitting] {
             other_rows.extend(rows::measure(&bench, variant, cases.clone())?);
         }
-    }
+        Ok((bench_rows, other_rows))
+    })?;
+    let (bench_rows, other_rows): (Vec<_>, Vec<_>) = measured.into_iter().unzip();
+    let [bench_rows, other_rows] =
+        [bench_rows, other_rows].map(|rows| rows.into_iter().flatten().collect::<Vec<Row>>());
     let samples = |rows: &[Row]| rows.iter().map(|row| row.workload.samples.len()).sum::<usize>();
     let count = samples(&bench_rows) + samples(&other_rows);
     let columns = [

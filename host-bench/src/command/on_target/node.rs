@@ -8,7 +8,7 @@ use harvester_scene::market::{self, Accelerometer, Code, CostModel, Evidence, Pr
 use model_core::node::IncomeOfTime;
 use serde_json::{Value, json};
 
-use super::{Output, announce};
+use super::{Output, announce, on_each};
 use crate::on_target::Error;
 use crate::on_target::node::{self, Bare, Call, Followed, calls};
 use crate::on_target::qemu::Core;
@@ -19,13 +19,14 @@ use crate::on_target::qemu::Core;
 ///
 /// If a firmware does not build or run, or the host's run logs anything else.
 pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Result<(), Error> {
-    for &core in cores {
+    let measured = on_each(cores, |core| {
         announce(core);
-        let found = node::follow(core, limit)?;
+        Ok((core, node::follow(core, limit)?, node::bare(core, true, limit)?))
+    })?;
+    for (core, found, bare) in measured {
         hours(core, &found, output);
         let shares = estimation(core, &found, output);
         tier(core, "map", &found.bare, &shares, output);
-        let bare = node::bare(core, true, limit)?;
         tier(core, "voltage", &bare, &of_voltage(core, &bare), output);
     }
     Ok(())
