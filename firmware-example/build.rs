@@ -77,10 +77,6 @@ fn main() {
         println!("cargo::error={reason}");
         return;
     }
-    println!("cargo::rustc-check-cfg=cfg(armv6m)");
-    if env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv6m")) {
-        println!("cargo::rustc-cfg=armv6m");
-    }
     // On the host the binaries are stubs and the ordinary linker does the right thing.
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;

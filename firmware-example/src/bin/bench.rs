@@ -22,6 +22,8 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
+use cortex_m0_arithmetic as _;
+
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {

@@ -6,7 +6,7 @@
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-firmware_example::cortex_m0_arithmetic!();
+use cortex_m0_arithmetic as _;
 
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
