@@ -22,7 +22,7 @@ mod tr_bdf2;
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
 use crate::oscillator::{Kernel, Oscillator, Response};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, sum, zip_with};
 use crate::snapshot::snapshot_fields;
 
 pub use boundary_layer::BoundaryLayer;
@@ -57,7 +57,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// derivative at the start. Set [`System::CARRIED`] then.
     #[inline]
     fn flow_from(&self, start: &Point<S, N, P>, change: &[S; N], input: S) -> [S; N] {
-        self.flow(&core::array::from_fn(|i| start.state[i] + change[i]), input)
+        self.flow(&sum(&start.state, change), input)
     }
 
     /// Whether [`System::flow_from`] and [`System::condense`] continue the derivative at the start of the step, without
@@ -79,9 +79,9 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
         weight: S,
     ) -> [S; N] {
         let flow = self.flow_from(base.start, &base.change(increment), input);
-        let residual = core::array::from_fn(|i| weight * flow[i] - increment[i]);
+        let residual = zip_with(flow, increment, |flow, increment| weight * flow - *increment);
         let correction = self.solve(factor, residual);
-        *increment = core::array::from_fn(|i| increment[i] + correction[i]);
+        *increment = sum(increment, &correction);
         correction
     }
 
@@ -287,7 +287,7 @@ impl<S: Scalar, const N: usize, const P: usize> Base<'_, S, N, P> {
     /// The change of the state since the start, with an increment.
     #[inline(always)]
     pub fn change(&self, increment: &[S; N]) -> [S; N] {
-        core::array::from_fn(|i| self.carried[i] + increment[i])
+        sum(self.carried, increment)
     }
 }
 

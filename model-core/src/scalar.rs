@@ -274,6 +274,26 @@ pub(crate) fn add_increment<S: Scalar>(high: S, low: S, increment: S) -> (S, S) 
     (sum, moved - (sum - high))
 }
 
+/// `f` of each entry of `a` and the one of `b` at the same place. Unlike an index in a closure it links no check of bounds,
+/// in any profile.
+#[inline]
+pub(crate) fn zip_with<A: Copy, B, const N: usize>(
+    mut a: [A; N],
+    b: &[B; N],
+    f: impl Fn(A, &B) -> A,
+) -> [A; N] {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a = f(*a, b);
+    }
+    a
+}
+
+/// The sum of two vectors.
+#[inline]
+pub(crate) fn sum<S: Scalar, const N: usize>(a: &[S; N], b: &[S; N]) -> [S; N] {
+    zip_with(*a, b, |a, b| a + *b)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -319,9 +319,8 @@ fn save_with(
     length.write(&mut out);
     fingerprint.write(&mut out);
     write(&mut out);
-    if let Some((content, tail)) = snapshot.split_last_chunk_mut::<TAIL>() {
-        *tail = Checksum::of(content).to_le_bytes();
-    }
+    let (content, tail) = snapshot.split_at_mut_checked(HEAD + size).unwrap_or_default();
+    Checksum::of(content).write(&mut Writer { left: tail });
     Ok(needed)
 }
 

@@ -1,7 +1,7 @@
 //! The boundary layer of a circuit that is much faster than the motion.
 
 use super::{Point, System};
-use crate::scalar::{Mathematics, Scalar, add_increment};
+use crate::scalar::{Mathematics, Scalar, add_increment, zip_with};
 
 /// Roundings of the state within which a rate counts as settled.
 const ROUNDINGS: f64 = 4.0;
@@ -69,10 +69,9 @@ pub(crate) fn without_layer<S: Scalar, const N: usize, const P: usize, Y: System
     let layer = system.boundary_layer(&start.state)?;
     let BoundaryLayer { relaxation, following, .. } = layer;
     let rate = start.derivative[Y::CIRCUIT];
-    let after: [S; N] = core::array::from_fn(|i| {
-        let moves = if i == Y::CIRCUIT { S::ZERO } else { start.derivative[i] };
-        start.state[i] + moves / relaxation
-    });
+    let mut moves = start.derivative;
+    moves[Y::CIRCUIT] = S::ZERO;
+    let after = zip_with(start.state, &moves, |state, rate| state + *rate / relaxation);
     let later = system.boundary_layer(&after)?;
     let limit = S::from_f64(THIN);
     let is_thin = (later.relaxation - relaxation).abs() <= limit * relaxation

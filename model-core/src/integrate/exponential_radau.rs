@@ -285,8 +285,11 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
             stages.powers(system, attempt, &end.derivative, 1),
             end.powers,
         ];
-        let mut energies: [S; P] = core::array::from_fn(|i| {
-            step * weighted(&STAGES[2], &[powers[0][i], powers[1][i], powers[2][i]])
+        let mut later = powers[1].iter().zip(&powers[2]);
+        let mut energies = powers[0].map(|first| {
+            let (second, third) =
+                later.next().map_or((S::ZERO, S::ZERO), |(second, third)| (*second, *third));
+            step * weighted(&STAGES[2], &[first, second, third])
         });
         system.correct_energies(&start.state, &end.state, &mut energies);
         if attempt.after_jump && stages.active {

@@ -72,11 +72,13 @@ impl<S: Scalar, const N: usize> DenseFactor<S, N> {
     #[must_use]
     #[inline]
     pub fn new(jacobian: &[[S; N]; N], weight: S) -> Option<Self> {
-        Self::of_matrix(core::array::from_fn(|i| {
-            core::array::from_fn(|j| {
-                if i == j { S::ONE - weight * jacobian[i][j] } else { -weight * jacobian[i][j] }
-            })
-        }))
+        let mut matrix = *jacobian;
+        for (i, row) in matrix.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry = if i == j { S::ONE - weight * *entry } else { -weight * *entry };
+            }
+        }
+        Self::of_matrix(matrix)
     }
 
     fn of_matrix(mut matrix: [[S; N]; N]) -> Option<Self> {
@@ -112,7 +114,7 @@ impl<S: Scalar, const N: usize> DenseFactor<S, N> {
     #[must_use]
     #[inline]
     pub fn solve(&self, right: &[S; N]) -> [S; N] {
-        let mut x: [S; N] = core::array::from_fn(|i| right.get(self.order[i]).copied().unwrap_or(S::ZERO));
+        let mut x: [S; N] = self.order.map(|row| right.get(row).copied().unwrap_or(S::ZERO));
         for i in 1..N {
             for j in 0..i {
                 x[i] -= self.triangles[i][j] * x[j];

@@ -3,7 +3,7 @@
 use super::boundary_layer::without_layer;
 use super::{Attempt, Input, Method, NotConverged, System, Trial};
 use crate::clock::seconds_of_ticks;
-use crate::scalar::{Scalar, add_increment};
+use crate::scalar::{Scalar, add_increment, sum, zip_with};
 
 /// The classical explicit Runge–Kutta method of fourth order, without an error estimate.
 ///
@@ -64,7 +64,7 @@ impl<S: Scalar> Method<S> for RungeKutta4 {
             if attempt.after_jump { without_layer(system, attempt.start, input.at(0)) } else { None };
         let start = outside.as_ref().map_or(attempt.start, |(start, _)| start);
 
-        let scaled = |factor: S, rate: &[S; N]| -> [S; N] { core::array::from_fn(|i| factor * rate[i]) };
+        let scaled = |factor: S, rate: &[S; N]| rate.map(|rate| factor * rate);
         let k1 = start.derivative;
         let change2 = scaled(half, &k1);
         let k2 = system.flow_from(start, &change2, middle_input);
@@ -73,10 +73,8 @@ impl<S: Scalar> Method<S> for RungeKutta4 {
         let change4 = scaled(step, &k3);
         let k4 = system.flow_from(start, &change4, end_input);
 
-        let sixth = step * S::from_f64(1.0 / 6.0);
-        let two = S::from_f64(2.0);
         let mut end = *start;
-        let change = core::array::from_fn(|i| sixth * (k1[i] + two * (k2[i] + k3[i]) + k4[i]));
+        let change = weighted(step, &k1, &sum(&k2, &k3), &k4);
         for ((state, remainder), increment) in end.state.iter_mut().zip(&mut end.remainder).zip(change) {
             (*state, *remainder) = add_increment(*state, *remainder, increment);
         }
@@ -86,14 +84,13 @@ impl<S: Scalar> Method<S> for RungeKutta4 {
             system.flow(&end.state, end_input)
         };
         let powers = |change: &[S; N], rate: &[S; N], input: S| -> [S; P] {
-            system.powers(&core::array::from_fn(|i| start.state[i] + change[i]), rate, input)
+            system.powers(&sum(&start.state, change), rate, input)
         };
         let p2 = powers(&change2, &k2, middle_input);
         let p3 = powers(&change3, &k3, middle_input);
         let p4 = powers(&change4, &k4, end_input);
         end.powers = system.powers(&end.state, &end.derivative, end_input);
-        let mut energies =
-            core::array::from_fn(|i| sixth * (start.powers[i] + two * (p2[i] + p3[i]) + p4[i]));
+        let mut energies = weighted(step, &start.powers, &sum(&p2, &p3), &p4);
         if let Some((_, layer)) = &outside {
             layer.restore(system, step, end_input, &mut end, &mut energies);
         }
@@ -106,4 +103,12 @@ impl<S: Scalar> Method<S> for RungeKutta4 {
         }
         Ok(Trial { end, energies, error: S::ZERO, energy_error: S::ZERO, iterations: 0 })
     }
+}
+
+/// The integral over `step`, of the values at its start and end and the sum of both in its middle.
+#[inline]
+fn weighted<S: Scalar, const N: usize>(step: S, start: &[S; N], middle: &[S; N], end: &[S; N]) -> [S; N] {
+    let (sixth, two) = (step * S::from_f64(1.0 / 6.0), S::from_f64(2.0));
+    let all_but_end = zip_with(*start, middle, |start, middle| start + two * *middle);
+    zip_with(all_but_end, end, |others, end| sixth * (others + *end))
 }

@@ -293,7 +293,7 @@ impl<S: Scalar> Adaptive<S> {
             let rejected = if memory.rejections > 0 { memory.rejected_ticks } else { 0 };
             return Ok(rejected.max(ticks.saturating_mul(4)));
         }
-        let change = SAFETY_AFTER_REJECTION - relative.logarithm() / order;
+        let change = SAFETY_AFTER_REJECTION - relative.logarithm().checked_div(order).unwrap_or(0);
         memory.reject(ticks, relative.ratio, scaled(ticks, change.clamp(SMALLEST_CHANGE, LARGEST_CHANGE)));
         Err(memory)
     }

@@ -4,7 +4,7 @@
 use super::boundary_layer::without_layer;
 use super::{Attempt, Base, Input, Method, NotConverged, Point, System, Trial};
 use crate::clock::seconds_of_ticks;
-use crate::scalar::{Scalar, add_increment};
+use crate::scalar::{Scalar, add_increment, sum, zip_with};
 
 /// Weight of the implicit stage derivative, `d = γ/2 = 1 − 1/√2`.
 const D: f64 = 0.292_893_218_813_452_475_6;
@@ -125,37 +125,40 @@ impl<S: Scalar> Method<S> for TrBdf2 {
             if attempt.after_jump { without_layer(system, attempt.start, input.at(0)) } else { None };
         let start = outside.as_ref().map_or(attempt.start, |(start, _)| start);
 
-        let z_start: [S; N] = core::array::from_fn(|i| weight * start.derivative[i]);
-        let predicted = core::array::from_fn(|i| start.state[i] + z_start[i] + z_start[i]);
+        let z_start = start.derivative.map(|rate| weight * rate);
+        let predicted = sum(&sum(&start.state, &z_start), &z_start);
         let factor = system.factor(&predicted, middle_input, weight).ok_or(NotConverged)?;
         let base = Base { start, carried: &z_start };
         let middle = Stage { system, factor: &factor, base, input: middle_input, weight };
         let (z_middle, middle_iterations) = middle.solve(z_start, accuracy)?;
 
-        let carried: [S; N] = core::array::from_fn(|i| S::from_f64(W_OVER_D) * (z_start[i] + z_middle[i]));
-        let extrapolated =
-            core::array::from_fn(|i| z_start[i] + S::from_f64(ONE_OVER_GAMMA) * (z_middle[i] - z_start[i]));
+        let carried = sum(&z_start, &z_middle).map(|both| S::from_f64(W_OVER_D) * both);
+        let extrapolated = zip_with(z_start, &z_middle, |start, middle| {
+            start + S::from_f64(ONE_OVER_GAMMA) * (*middle - start)
+        });
         let base = Base { start, carried: &carried };
         let last = Stage { system, factor: &factor, base, input: end_input, weight };
         let (z_end, end_iterations) = last.solve(extrapolated, accuracy)?;
 
         let per_weight = S::ONE / weight;
-        let derivative_of = |z: &[S; N]| -> [S; N] { core::array::from_fn(|i| z[i] * per_weight) };
+        let derivative_of = |z: &[S; N]| -> [S; N] { z.map(|z| z * per_weight) };
         let mut end = Point { derivative: derivative_of(&z_end), ..*start };
-        for i in 0..N {
-            (end.state[i], end.remainder[i]) =
-                add_increment(start.state[i], start.remainder[i], carried[i] + z_end[i]);
+        for ((state, remainder), increment) in
+            end.state.iter_mut().zip(&mut end.remainder).zip(sum(&carried, &z_end))
+        {
+            (*state, *remainder) = add_increment(*state, *remainder, increment);
         }
         end.powers = system.powers(&end.state, &end.derivative, end_input);
 
-        let middle_state = core::array::from_fn(|i| start.state[i] + (z_start[i] + z_middle[i]));
+        let middle_state = sum(&start.state, &sum(&z_start, &z_middle));
         let middle_powers: [S; P] = system.powers(&middle_state, &derivative_of(&z_middle), middle_input);
-        let mut energies = core::array::from_fn(|i| {
-            weight * (S::from_f64(W_OVER_D) * (start.powers[i] + middle_powers[i]) + end.powers[i])
+        let mut energies = zip_with(sum(&start.powers, &middle_powers), &end.powers, |others, end| {
+            weight * (S::from_f64(W_OVER_D) * others + *end)
         });
 
         let [e_start, e_middle, e_end] = ERROR_OVER_D.map(S::from_f64);
-        let raw = core::array::from_fn(|i| e_start * z_start[i] + e_middle * z_middle[i] + e_end * z_end[i]);
+        let raw = zip_with(z_start, &z_middle, |start, middle| e_start * start + e_middle * *middle);
+        let raw = zip_with(raw, &z_end, |others, end| others + e_end * *end);
         let error = system.error_norm(&start.state, &system.solve(&factor, raw));
         let energy_error = match (start.powers.first(), middle_powers.first(), end.powers.first()) {
             (Some(&first), Some(&second), Some(&third)) => {

@@ -164,12 +164,16 @@ impl Stored<'_> {
 
     /// The word at an index; 0 beyond the end.
     pub(super) const fn word(self, index: usize) -> u16 {
-        if index >= self.count() {
-            return 0;
-        }
+        // By patterns: `get` is no `const fn`, and an index would link a panic where the check before it is not seen.
         match self {
-            Self::Words(words) => words[index],
-            Self::Bytes(bytes) => u16::from_le_bytes(bytes.as_chunks().0[index]),
+            Self::Words(words) => match words.split_at_checked(index) {
+                Some((_, [word, ..])) => *word,
+                _ => 0,
+            },
+            Self::Bytes(bytes) => match bytes.as_chunks().0.split_at_checked(index) {
+                Some((_, [word, ..])) => u16::from_le_bytes(*word),
+                _ => 0,
+            },
         }
     }
 }

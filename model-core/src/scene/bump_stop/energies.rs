@@ -19,7 +19,7 @@ use super::{BumpStop, Parts, State};
 use crate::clock::seconds_of_ticks;
 use crate::integrate::modal::ModalStep;
 use crate::observer::{ALL_POWERS, Contact, PowerIndex, StoredEnergy};
-use crate::scalar::{CompensatedSum, Scalar};
+use crate::scalar::{CompensatedSum, Scalar, zip_with};
 
 /// Integrals over a step of the free responses `A` (to a displacement) and `B` (to a velocity), and of the response `s`
 /// to a unit force.
@@ -172,7 +172,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             of_base -= base * (acceleration * moved + rise * moment / step);
         };
         for ((mode, gramian), start) in self.beam.iter().zip(&gramians.beam).zip(&start.beam) {
-            let own = [0, 1].map(|k| -mode.contact * push[k] - mode.voltage * voltage[k]);
+            let own =
+                zip_with(push, &voltage, |push, voltage| -mode.contact * push - mode.voltage * *voltage);
             add(mode.angular_frequency, gramian, *start, mode.base, own);
         }
         for ((mode, gramian), start) in self.rod.iter().zip(&gramians.rod).zip(&start.rod) {

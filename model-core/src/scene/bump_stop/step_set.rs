@@ -8,7 +8,7 @@ use crate::clock::seconds_of_ticks;
 use crate::integrate::discrete_gradient::Flexibility;
 use crate::integrate::modal::ModalStep;
 use crate::part::circuit::{CircuitStep, LinearCircuitStep};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, zip_with};
 
 /// The coefficients of a step, which depend on its length and the parameters only; `K` are those of the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,8 +51,8 @@ fn coupled<S: Scalar>(
     let d = S::ONE + tilt[1] * tilted + tilt[2] * moment;
     let per = S::ONE / (a * d - b * c);
     LinearCircuitStep {
-        mean: [0, 1, 2].map(|k| (d * mean[k] - b * tilt[k]) * per),
-        tilt: [0, 1, 2].map(|k| (a * tilt[k] - c * mean[k]) * per),
+        mean: zip_with(mean, &tilt, |mean, tilt| (d * mean - b * *tilt) * per),
+        tilt: zip_with(tilt, &mean, |tilt, mean| (a * tilt - c * *mean) * per),
         square_by_bend: alone.square_by_bend,
     }
 }

@@ -16,7 +16,7 @@ use super::{BumpStop, Parts};
 use crate::excitation::Line;
 use crate::integrate::discrete_gradient::{Approach, ContactStep, Flexibility, constant_force, contact_step};
 use crate::part::storage_step::StorageAccount;
-use crate::scalar::{Scalar, add_increment};
+use crate::scalar::{Scalar, add_increment, zip_with};
 
 /// The result of a step, beside the state at its end.
 #[derive(Clone, Copy)]
@@ -103,12 +103,12 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         let acting = if self.coupling.is_two_way() { mean_voltage } else { S::ZERO };
         let force = [contact.force, contact.tilt];
         mode_step::push((&set.beam, &self.beam), &mut end.beam, |mode| {
-            let [mean, tilt] = [0, 1].map(|k| mode.base * base[k] + mode.contact * force[k]);
+            let [mean, tilt] = zip_with(base, &force, |base, force| mode.base * base + mode.contact * *force);
             [mean + mode.voltage * acting, tilt]
         });
         if ContactOf::<S, P>::POSSIBLE {
             mode_step::push((&set.rod, &self.rod), &mut end.rod, |mode| {
-                [0, 1].map(|k| mode.base * base[k] - mode.contact * force[k])
+                zip_with(base, &force, |base, force| mode.base * base - mode.contact * *force)
             });
         }
         end.strain_charge = strain;
@@ -158,9 +158,9 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
             end.strain_charge -= set.charge_by_voltage.fall(voltage);
         }
         mode_step::push((&set.beam, &self.beam), &mut end.beam, |mode| {
-            [0, 1].map(|k| {
-                let by_base = mode.base * base[k];
-                if two_way { by_base + mode.voltage * voltage[k] } else { by_base }
+            zip_with(base, &voltage, |base, voltage| {
+                let by_base = mode.base * base;
+                if two_way { by_base + mode.voltage * *voltage } else { by_base }
             })
         });
         if ContactOf::<S, P>::POSSIBLE {

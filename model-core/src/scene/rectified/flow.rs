@@ -6,7 +6,7 @@ use crate::integrate::{Base, CircuitEquation, Point, Stage, System};
 use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
 use crate::oscillator::Oscillator;
 use crate::part::storage::StorageElement;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, sum};
 use crate::scene::coupled::{Derivatives, ModeFactor};
 
 /// The flow of one mode; `M` is the mode of the harvester.
@@ -80,7 +80,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         change: &[S; STATES],
         acceleration: S,
     ) -> [S; STATES] {
-        let (at, _) = self.parts(&core::array::from_fn(|i| start.state[i] + change[i]));
+        let (at, _) = self.parts(&sum(&start.state, change));
         let mut own =
             Point { state: [S::ZERO; 3], remainder: [S::ZERO; 3], derivative: [S::ZERO; 3], powers: [] };
         own.state = [start.state[POSITION], start.state[VELOCITY], at.charge];
@@ -144,8 +144,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
             increment[POSITION] = weight * (velocity + increment[VELOCITY]);
         }
         if R::CHARGES {
-            let change = base.change(increment);
-            let state = core::array::from_fn(|i| start.state[i] + change[i]);
+            let state = sum(&start.state, &base.change(increment));
             let at = self.scene.electrics(self.mode, &state);
             let slope = weight * self.scene.fall_by_voltage(self.mode, &at) * at.share;
             let residual = -weight * at.fall - increment[STORAGE];

@@ -10,7 +10,7 @@ use crate::observer::{ALL_POWERS, PowerIndex, first_powers};
 use crate::oscillator::Oscillator;
 use crate::part::disc_overlap::DiscOverlap;
 use crate::part::load::{Load, Resistance};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, sum};
 use crate::scene::coupled::{self, Derivatives, ModeFactor, POSITION};
 use crate::scene::electrical_port::{ElectricalPort, PortVoltage, port_items};
 
@@ -199,7 +199,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         change: &[S; STATES],
         acceleration: S,
     ) -> [S; STATES] {
-        let state = core::array::from_fn(|i| start.state[i] + change[i]);
+        let state = sum(&start.state, change);
         let mut rate = System::<S, STATES, POWERS>::flow(self, &state, acceleration);
         if let Some(equation) = self.equation(start, change[DISPLACEMENT]) {
             rate[CHARGE] = equation.rate(change[CHARGE]);
