@@ -12,7 +12,7 @@ use cpu_time::ThreadTime;
 use model_core::scalar::Mathematics;
 
 use self::beam::beam;
-use self::triboelectric::{Bare, Bridged};
+use self::triboelectric::{bare, bridged};
 use super::Search;
 use super::excitation::{HostExcitation, Setting, with_setting};
 use super::report::Report;
@@ -49,8 +49,8 @@ fn kind<'a, M: Mathematics<f64> + 'a>(scene: &'a Scene) -> Box<dyn Kind + 'a> {
     let resistive = matches!(scene.load, Load::Resistor { .. });
     by_harvester!(scene,
         triboelectric(model) => match resistive {
-            true => Box::new(Bare::<M, _>::new(model)),
-            false => Box::new(Bridged::<M, _>::new(model)),
+            true => bare::<M, _>(model),
+            false => bridged::<M, _>(model),
         },
         bump_stop(model) => beam(scene, model))
 }

@@ -2,9 +2,7 @@
 
 use model_core::energy::{Integrals, Residual, RunMeter};
 use model_core::hybrid::HybridState;
-use model_core::integrate::{
-    AnyStepControl, Cubic, ExponentialRadau, Method as Integrator, RungeKutta4, TrBdf2,
-};
+use model_core::integrate::{AnyStepControl, Cubic, Method as Integrator};
 use model_core::observer::{ALL_POWERS, AcceptedStep, Motion, Outputs, PowerIndex};
 use model_core::part::storage::AnyStorage;
 use model_core::scalar::{Mathematics, Scalar};
@@ -16,7 +14,7 @@ use super::limits::Gauge;
 use super::method_name;
 use super::report::{Report, RunSummary, dense, dense_voltage};
 use super::run::{Run, refuse_start, step_control};
-use harvester_scene::method::{Failure, Method};
+use harvester_scene::method::Failure;
 use harvester_scene::outcome::{Outcome, Particular, with_store};
 use harvester_scene::scene_file::{Draw, Load, Scene};
 
@@ -102,6 +100,27 @@ pub(super) fn created_energy<S: Scalar>(all: &Integrals<S>) -> S {
     all.integral(PowerIndex::FieldWork) - all.integral(PowerIndex::ElectrostaticWork)
 }
 
+/// `$then` with the simulation of a prepared scene by the method of its options.
+macro_rules! by_method {
+    ($prepared:ident, |$simulation:ident| $then:expr) => {
+        match $prepared.setting.options.method {
+            harvester_scene::method::Method::Rk4 => {
+                let $simulation = $prepared.simulation(model_core::integrate::RungeKutta4);
+                $then
+            }
+            harvester_scene::method::Method::TrBdf2 => {
+                let $simulation = $prepared.simulation(model_core::integrate::TrBdf2);
+                $then
+            }
+            _ => {
+                let $simulation = $prepared.simulation(model_core::integrate::ExponentialRadau);
+                $then
+            }
+        }
+    };
+}
+pub(super) use by_method;
+
 /// A scene of the core that is checked, with its excitation and the rule for the length of its steps.
 pub(super) struct Prepared<'a, S: Scalar, A, T> {
     pub(super) setting: Setting<'a, S>,
@@ -180,20 +199,10 @@ impl<'a, S: Scalar, A: Copy, T: Triboelectric> Prepared<'a, S, A, T> {
     where
         A: CoreScene<S, N, ALL_POWERS>,
     {
-        match self.setting.options.method {
-            Method::Rk4 => self.with(RungeKutta4, start),
-            Method::TrBdf2 => self.with(TrBdf2, start),
-            _ => self.with(ExponentialRadau, start),
-        }
-    }
-
-    fn with<I: Integrator<S>, const N: usize>(&self, method: I, start: &A::Start) -> Result<Outcome, Failure>
-    where
-        A: CoreScene<S, N, ALL_POWERS>,
-    {
-        let simulation = self.simulation(method);
-        let state = self.start(&simulation, start)?;
-        self.run(&simulation).measured(state, &self.setting.scene.run)
+        by_method!(self, |simulation| {
+            let state = self.start(&simulation, start)?;
+            self.run(&simulation).measured(state, &self.setting.scene.run)
+        })
     }
 
     /// The state at the start of the scene.
