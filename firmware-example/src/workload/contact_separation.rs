@@ -15,7 +15,7 @@ use model_core::scene::Simulation;
 use model_core::scene::contact_separation::{Choices, GapField, Parameters, Parts, Start, TransferredCharge};
 use model_core::scene::rectified::{FullBridge, Rectified};
 
-use super::run::{self, Plan, Run};
+use super::run::{self, Plan, Run, triboelectric_runs};
 use super::{Visit, Workload, show};
 
 /// 0.2 g at 20 Hz, just below the natural frequency: impacts from 0.43 s on. Three seconds.
@@ -72,27 +72,6 @@ pub fn others(visit: Visit<'_>) -> Option<()> {
     show(visit, Run::new(PASSIVE, harvester, &Start::default(), run::outputs))
 }
 
-/// [`SETTLING`] with each of [`LOADS`] and [`LOAD_TOLERANCES`]; with the default load by the other methods with each of
-/// [`TOLERANCES`], [`STEPS`] and [`EXPLICIT_STEPS`].
-pub fn precision(visit: Visit<'_>) -> Option<()> {
-    for resistance in LOADS {
-        for tolerance in LOAD_TOLERANCES {
-            let loaded = loaded(black_box(resistance));
-            show(visit, run(SETTLING, loaded, ExponentialRadau, Adaptive::new(tolerance).ok()?))?;
-        }
-    }
-    for tolerance in TOLERANCES {
-        show(visit, run(SETTLING, whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
-    }
-    for step in STEPS {
-        fixed(visit, SETTLING, whole(), TrBdf2, step)?;
-    }
-    for step in EXPLICIT_STEPS {
-        fixed(visit, SETTLING, whole(), RungeKutta4, step)?;
-    }
-    Some(())
-}
-
 /// [`SMOOTH`] with each of [`SMOOTH_TOLERANCES`] and with [`SMOOTH_STEP`].
 pub fn smooth(visit: Visit<'_>) -> Option<()> {
     for tolerance in SMOOTH_TOLERANCES {
@@ -101,30 +80,7 @@ pub fn smooth(visit: Visit<'_>) -> Option<()> {
     fixed(visit, SMOOTH, whole(), RungeKutta4, SMOOTH_STEP)
 }
 
-#[inline]
-fn fixed<P: Parts<f32>>(
-    visit: Visit<'_>,
-    plan: Plan,
-    parameters: Parameters<f32, P>,
-    method: impl Method<f32>,
-    step: f32,
-) -> Option<()> {
-    show(visit, run(plan, parameters, method, FixedStep::of_seconds(step).ok()?))
-}
-
-/// A run of `parameters`; `None` if something is refused.
-#[must_use]
-#[inline(never)]
-pub fn run<P: Parts<f32>>(
-    plan: Plan,
-    parameters: Parameters<f32, P>,
-    method: impl Method<f32>,
-    control: impl StepControl<f32>,
-) -> Option<impl Workload> {
-    let scene = black_box(parameters).build().ok()?;
-    let start = Start { velocity: Some(black_box(plan.velocity)), ..Start::default() };
-    Run::new(plan, Simulation::new(scene, method, black_box(control)), &start, run::triboelectric)
-}
+triboelectric_runs!();
 
 /// The load of the default scene.
 pub const LOAD: Resistor<f32> = Resistor { resistance: 1e8 };
@@ -157,12 +113,6 @@ pub fn parameters<C>(choices: C) -> Parameters<f32, C> {
 /// What the default scene is made of.
 pub type Whole =
     Choices<Resistor<f32>, VelocityDependentRestitution<f32>, TransferredCharge, ParasiticCapacitance<f32>>;
-
-/// The default scene.
-#[must_use]
-pub fn whole() -> Parameters<f32, Whole> {
-    loaded(LOAD.resistance)
-}
 
 /// The default scene with another load in Ω.
 #[must_use]

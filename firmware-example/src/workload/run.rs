@@ -190,3 +190,65 @@ impl<F: Fn() -> Option<[f32; 4]>> Workload for Building<F> {
         &self.bits
     }
 }
+
+/// What both triboelectric scenes have, of their own constants, parameters and parts.
+macro_rules! triboelectric_runs {
+    () => {
+        /// [`SETTLING`] with each of [`LOADS`] and [`LOAD_TOLERANCES`], and [`precision_of`].
+        pub fn precision(visit: Visit<'_>) -> Option<()> {
+            for resistance in LOADS {
+                for tolerance in LOAD_TOLERANCES {
+                    let loaded = loaded(black_box(resistance));
+                    show(visit, run(SETTLING, loaded, ExponentialRadau, Adaptive::new(tolerance).ok()?))?;
+                }
+            }
+            precision_of(SETTLING, visit)
+        }
+
+        /// Any plan by the other methods with each of [`TOLERANCES`], [`STEPS`] and [`EXPLICIT_STEPS`].
+        pub fn precision_of(plan: Plan, visit: Visit<'_>) -> Option<()> {
+            for tolerance in TOLERANCES {
+                show(visit, run(plan, whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
+            }
+            for step in STEPS {
+                fixed(visit, plan, whole(), TrBdf2, step)?;
+            }
+            for step in EXPLICIT_STEPS {
+                fixed(visit, plan, whole(), RungeKutta4, step)?;
+            }
+            Some(())
+        }
+
+        #[inline]
+        fn fixed<P: Parts<f32>>(
+            visit: Visit<'_>,
+            plan: Plan,
+            parameters: Parameters<f32, P>,
+            method: impl Method<f32>,
+            step: f32,
+        ) -> Option<()> {
+            show(visit, run(plan, parameters, method, FixedStep::of_seconds(step).ok()?))
+        }
+
+        /// A run of `parameters`; `None` if something is refused.
+        #[must_use]
+        #[inline(never)]
+        pub fn run<P: Parts<f32>>(
+            plan: Plan,
+            parameters: Parameters<f32, P>,
+            method: impl Method<f32>,
+            control: impl StepControl<f32>,
+        ) -> Option<impl Workload> {
+            let scene = black_box(parameters).build().ok()?;
+            let start = Start { velocity: Some(black_box(plan.velocity)), ..Start::default() };
+            Run::new(plan, Simulation::new(scene, method, black_box(control)), &start, run::triboelectric)
+        }
+
+        /// The default scene.
+        #[must_use]
+        pub fn whole() -> Parameters<f32, Whole> {
+            loaded(LOAD.resistance)
+        }
+    };
+}
+pub(super) use triboelectric_runs;

@@ -11,7 +11,7 @@ use model_core::part::load::Resistor;
 use model_core::scene::Simulation;
 use model_core::scene::sliding::{Choices, Parameters, Parts, PatchFriction, Start, TransferredCharge};
 
-use super::run::{self, Building, Plan, Run};
+use super::run::{self, Building, Plan, Run, triboelectric_runs};
 use super::{Visit, Workload, show};
 
 /// 0.36 g at 18.373 Hz, the natural frequency: the slider lets go in the first period and slides from
@@ -59,60 +59,12 @@ pub fn others(visit: Visit<'_>) -> Option<()> {
     Some(())
 }
 
-/// [`SETTLING`] with each of [`LOADS`] and [`LOAD_TOLERANCES`], and [`precision_of`].
-pub fn precision(visit: Visit<'_>) -> Option<()> {
-    for resistance in LOADS {
-        for tolerance in LOAD_TOLERANCES {
-            let loaded = loaded(black_box(resistance));
-            show(visit, run(SETTLING, loaded, ExponentialRadau, Adaptive::new(tolerance).ok()?))?;
-        }
-    }
-    precision_of(SETTLING, visit)
-}
-
-/// Any plan by the other methods with each of [`TOLERANCES`], [`STEPS`] and [`EXPLICIT_STEPS`].
-pub fn precision_of(plan: Plan, visit: Visit<'_>) -> Option<()> {
-    for tolerance in TOLERANCES {
-        show(visit, run(plan, whole(), TrBdf2, Adaptive::new(tolerance).ok()?))?;
-    }
-    for step in STEPS {
-        fixed(visit, plan, whole(), TrBdf2, step)?;
-    }
-    for step in EXPLICIT_STEPS {
-        fixed(visit, plan, whole(), RungeKutta4, step)?;
-    }
-    Some(())
-}
-
 #[inline]
 fn adaptive<P: Parts<f32>>(visit: Visit<'_>, plan: Plan, parameters: Parameters<f32, P>) -> Option<()> {
     show(visit, run(plan, parameters, ExponentialRadau, Adaptive::new(TOLERANCE).ok()?))
 }
 
-#[inline]
-fn fixed<P: Parts<f32>>(
-    visit: Visit<'_>,
-    plan: Plan,
-    parameters: Parameters<f32, P>,
-    method: impl Method<f32>,
-    step: f32,
-) -> Option<()> {
-    show(visit, run(plan, parameters, method, FixedStep::of_seconds(step).ok()?))
-}
-
-/// A run of `parameters`; `None` if something is refused.
-#[must_use]
-#[inline(never)]
-pub fn run<P: Parts<f32>>(
-    plan: Plan,
-    parameters: Parameters<f32, P>,
-    method: impl Method<f32>,
-    control: impl StepControl<f32>,
-) -> Option<impl Workload> {
-    let scene = black_box(parameters).build().ok()?;
-    let start = Start { velocity: Some(black_box(plan.velocity)), ..Start::default() };
-    Run::new(plan, Simulation::new(scene, method, black_box(control)), &start, run::triboelectric)
-}
+triboelectric_runs!();
 
 /// The load of the default scene.
 pub const LOAD: Resistor<f32> = Resistor { resistance: 1e8 };
@@ -141,12 +93,6 @@ pub fn parameters<C>(choices: C) -> Parameters<f32, C> {
 
 /// What the default scene is made of.
 pub type Whole = Choices<Resistor<f32>, PatchFriction<f32>, TransferredCharge>;
-
-/// The default scene.
-#[must_use]
-pub fn whole() -> Parameters<f32, Whole> {
-    loaded(LOAD.resistance)
-}
 
 /// The default scene with another load in Ω.
 #[must_use]
