@@ -90,6 +90,32 @@ fn mode<T: Transducer>(after: After<T::Branch>, stand_in: T::Branch, connected: 
     }
 }
 
+/// What a load leaves to the motion, whose states are those before the last `$others`; the first of these is the voltage.
+macro_rules! of_motion {
+    ($others:literal) => {
+        fn base(&self) -> &Base {
+            self.transducer.base()
+        }
+
+        fn motion_states(&self) -> usize {
+            N - $others
+        }
+
+        fn reserve(&self, _: &Mode<T::Branch>, time: f64, state: &[f64; N]) -> f64 {
+            self.transducer.reserve(time, &state[..N - $others], state[N - $others])
+        }
+
+        fn release(&self, mode: &mut Mode<T::Branch>, time: f64, state: &[f64; N]) {
+            mode.branch = self.transducer.released(time, &state[..N - $others], state[N - $others]);
+            mode.stuck = false;
+        }
+
+        fn check(&self, state: &[f64; N]) -> Result<(), Stop> {
+            self.transducer.check(&state[..N - $others])
+        }
+    };
+}
+
 /// A harvester with a resistor: its motion, the voltage, the energy.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct WithResistor<T> {
@@ -101,19 +127,13 @@ pub(crate) struct WithResistor<T> {
 impl<T: Transducer, const N: usize> Harvester<N> for WithResistor<T> {
     type Branch = T::Branch;
 
-    fn base(&self) -> &Base {
-        self.transducer.base()
-    }
+    of_motion!(2);
 
     fn start(&self) -> (Mode<T::Branch>, [f64; N]) {
         let mut state = [0.0; N];
         let after = self.transducer.start(&mut state[..N - 2]);
         let stand_in = self.transducer.released(0.0, &state[..N - 2], 0.0);
         (mode::<T>(after, stand_in, false), state)
-    }
-
-    fn motion_states(&self) -> usize {
-        N - 2
     }
 
     fn sizes(&self) -> [f64; N] {
@@ -164,21 +184,8 @@ impl<T: Transducer, const N: usize> Harvester<N> for WithResistor<T> {
         }
     }
 
-    fn reserve(&self, _: &Mode<T::Branch>, time: f64, state: &[f64; N]) -> f64 {
-        self.transducer.reserve(time, &state[..N - 2], state[N - 2])
-    }
-
-    fn release(&self, mode: &mut Mode<T::Branch>, time: f64, state: &[f64; N]) {
-        mode.branch = self.transducer.released(time, &state[..N - 2], state[N - 2]);
-        mode.stuck = false;
-    }
-
     /// The charge is frozen and the load open.
     fn stand(&self, _: &mut [f64; N], _: f64) {}
-
-    fn check(&self, state: &[f64; N]) -> Result<(), Stop> {
-        self.transducer.check(&state[..N - 2])
-    }
 }
 
 /// A harvester behind a bridge with a storage: its motion, the voltage, that of the storage, the energy.
@@ -234,9 +241,7 @@ impl<T: Transducer> WithBridge<T> {
 impl<T: Transducer, const N: usize> Harvester<N> for WithBridge<T> {
     type Branch = T::Branch;
 
-    fn base(&self) -> &Base {
-        self.transducer.base()
-    }
+    of_motion!(3);
 
     fn start(&self) -> (Mode<T::Branch>, [f64; N]) {
         let mut state = [0.0; N];
@@ -246,10 +251,6 @@ impl<T: Transducer, const N: usize> Harvester<N> for WithBridge<T> {
             self.store.draw.lockout().is_some_and(|lockout| self.store.initial_v >= lockout.turn_on_v);
         let stand_in = self.transducer.released(0.0, &state[..N - 3], 0.0);
         (mode::<T>(after, stand_in, connected), state)
-    }
-
-    fn motion_states(&self) -> usize {
-        N - 3
     }
 
     fn sizes(&self) -> [f64; N] {
@@ -344,21 +345,8 @@ impl<T: Transducer, const N: usize> Harvester<N> for WithBridge<T> {
         self.settle(mode, state);
     }
 
-    fn reserve(&self, _: &Mode<T::Branch>, time: f64, state: &[f64; N]) -> f64 {
-        self.transducer.reserve(time, &state[..N - 3], state[N - 3])
-    }
-
-    fn release(&self, mode: &mut Mode<T::Branch>, time: f64, state: &[f64; N]) {
-        mode.branch = self.transducer.released(time, &state[..N - 3], state[N - 3]);
-        mode.stuck = false;
-    }
-
     /// The terminals are open; only the leakage goes on.
     fn stand(&self, state: &mut [f64; N], elapsed: f64) {
         state[N - 2] *= (-elapsed / (self.store.leakage_ohm * self.store.capacitance_f)).exp();
-    }
-
-    fn check(&self, state: &[f64; N]) -> Result<(), Stop> {
-        self.transducer.check(&state[..N - 3])
     }
 }
