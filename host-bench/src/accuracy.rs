@@ -141,7 +141,7 @@ fn tighter(scene: &Scene, options: &Options, times: f64) -> Option<Options> {
 fn by_default(scene: &Scene, options: &Options) -> Option<f64> {
     let adapts = has_tolerance(scene, options) && options.tolerance.is_none();
     let by_accuracy = matches!(options.method, Method::Auto | Method::ExponentialRadau);
-    (adapts && by_accuracy).then(|| default_accuracy(&scene.model, options.chosen_precision()))
+    (adapts && by_accuracy).then(|| default_accuracy(scene, options.chosen_precision()))
 }
 
 /// Whether the library runs a bump-stop scene: by steps, which an accuracy can choose.

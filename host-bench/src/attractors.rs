@@ -14,7 +14,7 @@ use crate::outcome::{Branch, Outcome, standard_error_of_sum};
 use crate::report::setting::setting;
 use crate::resolution::resonances;
 use crate::run::run_scene;
-use crate::scene_file::{Excitation, Load, Model, RunSpan, Scene};
+use crate::scene_file::{Excitation, Load, RunSpan, Scene, Summary};
 use crate::shift::{start, started};
 
 /// Relative difference of the mean powers of one motion, beside so many standard errors, which allow half of it at most.
@@ -67,20 +67,8 @@ impl Place {
             Load::RectifiedStore(_) => false,
         };
         let motion = outcome.largest_motion_m().filter(|_| is_periodic && takes_power)?;
-        let (rest_m, size_m, ends_m) = match &scene.model {
-            Model::ContactSeparation(model) => {
-                let gap = model.parameters.initial_gap_m;
-                (gap, gap.max(motion - gap), [0.0, f64::INFINITY])
-            }
-            Model::Sliding(model) => {
-                let radius = model.parameters.patch_radius_m;
-                (0.0, radius.max(motion), [-1.95 * radius, 1.95 * radius])
-            }
-            Model::BumpStop(model) => {
-                let gap = model.stop.as_ref().map(|stop| stop.gap_m);
-                (0.0, motion.max(gap.unwrap_or(0.0)), [f64::NEG_INFINITY, gap.unwrap_or(f64::INFINITY)])
-            }
-        };
+        let Summary { rest_m, length_m, range_m: ends_m, .. } = scene.model.summary();
+        let size_m = length_m.max(motion - rest_m);
         let (frequencies, _) = resonances(scene, outcome);
         let size = [size_m, size_m * TAU * frequencies.into_iter().reduce(f64::min)?];
         (size_m > 0.0).then_some(Self { rest_m, size, ends_m })

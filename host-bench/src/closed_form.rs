@@ -76,9 +76,9 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
     };
     let (amplitude, frequency) = (S::from_f64(tone.amplitude_m_per_s2), S::from_f64(tone.frequency_hz));
     // The mode capacities of a run.
-    let found = match (model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)) {
-        (..=4, ..=2) => of_beam::<S, 4, 2>(scene, model, amplitude, frequency)?,
-        (..=10, ..=10) => of_beam::<S, 10, 10>(scene, model, amplitude, frequency)?,
+    let found = match model.modes() {
+        [..=4, ..=2] => of_beam::<S, 4, 2>(scene, model, amplitude, frequency)?,
+        [..=10, ..=10] => of_beam::<S, 10, 10>(scene, model, amplitude, frequency)?,
         _ => of_beam::<S, 20, 20>(scene, model, amplitude, frequency)?,
     };
     let mut estimate = Estimate::new(&found);
@@ -109,9 +109,9 @@ fn of_beam<S: Scalar, const B: usize, const R: usize>(
     amplitude: S,
     frequency: S,
 ) -> Result<ClosedForm<S>, Failure> {
-    let rod_modes = model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
+    let [beam_modes, rod_modes] = model.modes();
     let beam = bump_stop_parameters::<S>(model, scene.load)
-        .build_first::<B, R>(model.parameters.beam_modes, rod_modes)
+        .build_first::<B, R>(beam_modes, rod_modes)
         .map_err(|error| refused(scene, error))?;
     let number = S::from_f64;
     match scene.load {

@@ -14,7 +14,6 @@ use self::chart::{Axis, Chart, Curve, Mark};
 pub(crate) use self::draw::draw;
 use self::page::{Page, escaped};
 use crate::method::{Failure, Math, Method, Precision};
-use crate::scene_file::Model;
 use crate::work_precision::table::resistance;
 use crate::work_precision::triboelectric::method_name;
 use crate::work_precision::{Comparison, Variant};
@@ -72,8 +71,8 @@ pub(crate) fn report(comparisons: &[Comparison]) -> Result<String, Failure> {
          friction turns round at every reversal and the overlap has a corner in the middle.</p>\n",
     );
     for comparison in comparisons {
-        let quantity = match comparison.scene.model {
-            Model::ContactSeparation(_) | Model::Sliding(_) => {
+        let quantity = match comparison.scene.bump_stop() {
+            Err(_) => {
                 let load = resistance(comparison.scene.load.resistance_ohm());
                 let (file, summary) = (escaped(&comparison.file()), escaped(&summary(comparison)));
                 page.add(&format!("<h2>{file}, load: {load}</h2>\n<p>{summary}</p>\n"));
@@ -84,7 +83,7 @@ pub(crate) fn report(comparisons: &[Comparison]) -> Result<String, Failure> {
                 page.add(&format!("<noscript><figure>{svg}</figure></noscript>\n"));
                 "mean power"
             }
-            Model::BumpStop(_) => {
+            Ok(_) => {
                 let title = escaped(&comparison.title());
                 page.add(&format!(
                     "<h2>Bump-stop harvester</h2>\n<p>A piezoelectric cantilever that hits a rod, by the core's method \

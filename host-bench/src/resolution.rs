@@ -1,30 +1,25 @@
 //! Whether an excitation meets the resonances of a scene: a sine is near one, the lines of a random one resolve them, the
 //! samples of a recorded one too.
 
-use crate::outcome::Outcome;
-use crate::scene_file::{Model, Scene};
+use crate::outcome::{BumpStopOutcome, Outcome};
+use crate::scene_file::Scene;
 
 /// Least number of lines in the half-power bandwidth of a resonance. With fewer the response is a beat of few sines.
 const LEAST_LINES: f64 = 4.0;
 
 /// The natural frequencies in Hz of a scene that has given `outcome`, and their damping ratio.
 pub(crate) fn resonances(scene: &Scene, outcome: &Outcome) -> (Vec<f64>, f64) {
-    match &scene.model {
-        Model::ContactSeparation(model) => {
-            let parameters = &model.parameters;
-            (vec![parameters.natural_frequency_hz()], parameters.damping_ratio)
-        }
-        Model::Sliding(model) => {
-            let found = outcome.sliding().and_then(|found| found.natural_frequency_hz);
-            (found.into_iter().collect(), model.parameters.damping_ratio)
-        }
-        Model::BumpStop(model) => {
-            let found = outcome.bump_stop().map(|found| {
-                [&found.beam_natural_frequencies_hz[..], &found.rod_natural_frequencies_hz].concat()
-            });
-            (found.unwrap_or_default(), model.parameters.damping_ratio)
-        }
-    }
+    let of_beam = |found: &BumpStopOutcome| {
+        [&found.beam_natural_frequencies_hz[..], &found.rod_natural_frequencies_hz].concat()
+    };
+    let frequencies = match scene.contact_separation() {
+        Ok(model) => vec![model.parameters.natural_frequency_hz()],
+        Err(_) => outcome.bump_stop().map_or_else(
+            || outcome.sliding().and_then(|found| found.natural_frequency_hz).into_iter().collect(),
+            of_beam,
+        ),
+    };
+    (frequencies, scene.model.summary().damping_ratio)
 }
 
 /// How a warning of a sine that is far from every resonance begins.
@@ -49,10 +44,7 @@ fn far_from_resonance(scene: &Scene, outcome: &Outcome) -> Option<String> {
     let (resonances, _) = resonances(scene, outcome);
     let apart = |natural: &f64| (frequency / natural).max(natural / frequency);
     let natural = resonances.into_iter().min_by(|one, other| apart(one).total_cmp(&apart(other)))?;
-    let keys = match scene.model {
-        Model::ContactSeparation(_) => "parameters.mass_kg and parameters.stiffness_n_per_m",
-        Model::Sliding(_) | Model::BumpStop(_) => "the beam's dimensions, density and young_modulus_pa",
-    };
+    let keys = scene.model.summary().frequency_keys;
     (apart(&natural) > FARTHEST).then(|| {
         format!(
             "{FAR} = {frequency} is a factor of {:.1} from the natural frequency of {natural:.4} Hz: no resonance answers; are \

@@ -3,7 +3,7 @@
 use crate::embedded::bump_stop_parameters;
 use crate::method::{Failure, Method, Options};
 use crate::outcome::{Outcome, STABLE};
-use crate::scene_file::{BumpStop, Excitation, Load, Model, Scene};
+use crate::scene_file::{BumpStop, BumpStopStart, Excitation, Load, Scene, Summary};
 
 /// Relative change of the base acceleration or of the start: far above the rounding of `f64`, far below any error that
 /// matters.
@@ -27,27 +27,22 @@ pub(crate) fn shifted(scene: &Scene, shift: f64) -> Option<Scene> {
 /// The scene with a start displaced by a part of the gap or of the radius of the patch; `None` for a beam.
 fn displaced(scene: &Scene, shift: f64) -> Option<Scene> {
     let [at, rate] = start(scene);
-    let length = match &scene.model {
-        Model::ContactSeparation(_) => at,
-        Model::Sliding(model) => model.parameters.patch_radius_m,
-        // No length suits every scene of a beam at rest.
-        Model::BumpStop(_) => return None,
-    };
+    // No length suits every scene of a beam at rest.
+    scene.model.summary().start?;
+    let length = scene.sliding().map_or(at, |model| model.parameters.patch_radius_m);
     Some(started(scene, [at + length * shift, rate]))
 }
 
 /// The start of a scene: gap, displacement of the slider or of the tip in m, and its velocity in m/s.
 pub(crate) fn start(scene: &Scene) -> [f64; 2] {
-    match &scene.model {
-        Model::ContactSeparation(model) => {
-            let gap_m = model.initial.gap_m.unwrap_or(model.parameters.initial_gap_m);
-            [gap_m, model.initial.velocity_m_per_s.unwrap_or_default()]
-        }
-        Model::Sliding(model) => {
-            [model.initial.displacement_m, model.initial.velocity_m_per_s].map(Option::unwrap_or_default)
-        }
-        Model::BumpStop(model) => [&model.initial.modal_displacement, &model.initial.modal_velocity]
+    match scene.bump_stop() {
+        Ok(model) => [&model.initial.modal_displacement, &model.initial.modal_velocity]
             .map(|modes| (1..).zip(modes).map(|(mode, at)| tip(model, mode) * at).sum()),
+        Err(_) => {
+            let Summary { rest_m, start, .. } = scene.model.summary();
+            let [at, rate, _] = start.unwrap_or_default();
+            [at.unwrap_or(rest_m), rate.unwrap_or_default()]
+        }
     }
 }
 
@@ -55,23 +50,13 @@ pub(crate) fn start(scene: &Scene) -> [f64; 2] {
 pub(crate) fn started(scene: &Scene, [at, rate]: [f64; 2]) -> Scene {
     let [from, from_rate] = start(scene);
     let mut scene = scene.clone();
-    match &mut scene.model {
-        Model::ContactSeparation(model) => {
-            (model.initial.gap_m, model.initial.velocity_m_per_s) = (Some(at), Some(rate));
-        }
-        Model::Sliding(model) => {
-            (model.initial.displacement_m, model.initial.velocity_m_per_s) = (Some(at), Some(rate));
-        }
-        Model::BumpStop(model) => {
-            let of_first = tip(model, 1);
-            let initial = &mut model.initial;
-            initial.modal_displacement.iter_mut().take(1).for_each(|first| *first += (at - from) / of_first);
-            initial
-                .modal_velocity
-                .iter_mut()
-                .take(1)
-                .for_each(|first| *first += (rate - from_rate) / of_first);
-        }
+    if let Some([coordinate, velocity, _]) = scene.model.start_mut() {
+        (*coordinate, *velocity) = (Some(at), Some(rate));
+    } else if let Ok(model) = scene.bump_stop_mut() {
+        let of_first = tip(model, 1);
+        let BumpStopStart { modal_displacement, modal_velocity, .. } = &mut model.initial;
+        modal_displacement.iter_mut().take(1).for_each(|first| *first += (at - from) / of_first);
+        modal_velocity.iter_mut().take(1).for_each(|first| *first += (rate - from_rate) / of_first);
     }
     scene
 }

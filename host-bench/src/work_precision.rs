@@ -48,7 +48,7 @@ pub(crate) struct Kind {
 }
 
 fn kind(scene: &Scene) -> &'static Kind {
-    if scene.model.bump_stop().is_some() { &bump_stop::KIND } else { &triboelectric::KIND }
+    if scene.bump_stop().is_ok() { &bump_stop::KIND } else { &triboelectric::KIND }
 }
 
 /// Relative errors against the reference by name; `None` where the reference has no such number or the number is 0.

@@ -6,7 +6,7 @@ use host_bench::method::{Method, Options, Precision};
 use host_bench::outcome::{ContactSeparationOutcome, Outcome, SlidingOutcome};
 use host_bench::run::run_scene;
 use host_bench::scene_file::{
-    self, ContactSeparation, Excitation, Load, Model, RunSpan, Scene, Sliding, SlidingParameters, Tone,
+    self, ContactSeparation, Excitation, Load, RunSpan, Scene, Sliding, SlidingParameters, Tone,
 };
 
 pub use model_core::part::GRAVITY;
@@ -17,7 +17,7 @@ pub fn contact_separation(change: impl FnOnce(&mut Scene, &mut ContactSeparation
     let mut scene = shipped("contact-separation.toml");
     let mut model = scene.contact_separation().expect("a contact-separation scene").clone();
     change(&mut scene, &mut model);
-    scene.model = Model::ContactSeparation(model);
+    scene.model = model.into();
     scene
 }
 
@@ -25,9 +25,9 @@ pub fn contact_separation(change: impl FnOnce(&mut Scene, &mut ContactSeparation
 #[must_use]
 pub fn sliding(change: impl FnOnce(&mut Scene, &mut Sliding)) -> Scene {
     let mut scene = shipped("sliding.toml");
-    let Model::Sliding(mut model) = scene.model.clone() else { panic!("a sliding scene") };
+    let mut model = scene.sliding().expect("a sliding scene").clone();
     change(&mut scene, &mut model);
-    scene.model = Model::Sliding(model);
+    scene.model = model.into();
     scene
 }
 

@@ -155,7 +155,7 @@ fn jacobians_are_those_of_differences() {
                 derivatives::<_, 4, 5>(transducer, (), &[gap, -0.05]);
             }
         }
-        if let Some(model) = scene("sliding", &[&law]).model.sliding() {
+        if let Ok(model) = scene("sliding", &[&law]).sliding() {
             let transducer = Sliding::new(&model.parameters, base);
             for motion in [[4e-3, 0.3], [-6e-3, 0.2]] {
                 let branch = transducer.released(0.0, &motion, 0.0);

@@ -16,7 +16,7 @@ pub(crate) fn contact_separation() -> ContactSeparationParameters {
 
 /// The sliding harvester of Table 1.
 pub(crate) fn sliding() -> SlidingParameters {
-    shipped("sliding").model.sliding().expect("sliding").parameters
+    shipped("sliding").sliding().expect("sliding").parameters
 }
 
 /// The bump-stop harvester with its stop.

@@ -7,7 +7,6 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Deserializer};
 
-use crate::scene_file::Lockout;
 pub use battery::Reservoir;
 pub use cost::{Code, Core, Cost, CostModel, Instructions, node_instructions};
 
@@ -226,6 +225,15 @@ pub struct ColdStart {
     pub decoupling_f: Figure,
     /// Time from the supply to the first instruction of the program in s, the state read back.
     pub time_s: Figure,
+}
+
+/// Under-voltage lock-out with hysteresis. A store that starts between the two starts disconnected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lockout {
+    /// The draw is connected where the store rises to this voltage, in V.
+    pub turn_on_v: f64,
+    /// It is disconnected where the store falls to this voltage, in V.
+    pub turn_off_v: f64,
 }
 
 static MARKET: LazyLock<Market> =

@@ -2,19 +2,16 @@
 
 mod accuracy;
 mod bump_stop;
-mod created;
 mod format;
 mod limits;
 
 use serde::Serialize;
 
-pub use self::accuracy::Accuracy;
+pub use self::accuracy::{Accuracy, CreatedEnergy, created_energy_warning};
 pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome, ClampOutcome};
-pub use self::created::{CreatedEnergy, created_energy_warning};
-pub use self::format::Format;
 pub use self::format::{
-    Fields, cell, csv, csv_line, csv_sections, fields, flattened, name, number, optional_number, rows_csv,
-    shown, small, table, text,
+    Fields, Format, cell, csv, csv_line, csv_sections, fields, flattened, name, number, optional_number,
+    rows_csv, shown, small, table, text,
 };
 pub use self::limits::{LIMIT, MODEL, Margin, Margins};
 

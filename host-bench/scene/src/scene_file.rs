@@ -4,7 +4,6 @@
 //! file, line, key, value and bound. Overrides (`--set a.b=c`) are put into the document before it is
 //! read, so they meet the same checks.
 
-mod bounds;
 mod bump_stop;
 mod contact_separation;
 mod document;
@@ -26,9 +25,8 @@ mod triboelectric;
 
 use std::path::{Path, PathBuf};
 
-pub(crate) use self::bounds::Short;
+use self::document::Document;
 pub use self::document::SceneError;
-use self::document::{Content, Document};
 pub use self::fit::Fit;
 use self::key::{Key, Kind, Table, Value, other};
 pub(crate) use self::limits::of_name as limit_of_name;
@@ -54,6 +52,34 @@ pub static KEYS: Table = Table {
             .or_said("none"),
     ],
 };
+
+/// What is said of any harvester. Its coordinate is the gap, or the displacement of the slider or the tip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// The name that a scene file gives the scene.
+    pub name: &'static str,
+    /// Coordinate at rest in m.
+    pub rest_m: f64,
+    /// Length in m of a motion: the initial gap, the radius of a patch, or the gap to the stop; 0 without a stop.
+    pub length_m: f64,
+    /// Least and largest coordinate in m of a start.
+    pub range_m: [f64; 2],
+    /// Coordinate in m, velocity in m/s, charge in C at the start where given; `None` for bump-stop, which has modes.
+    pub start: Option<[Option<f64>; 3]>,
+    /// Key of the coordinate at the start.
+    pub start_key: &'static str,
+    /// What the natural frequency depends on.
+    pub frequency_keys: &'static str,
+    /// Damping ratio of each mode.
+    pub damping_ratio: f64,
+    /// Tribo-charge density in C/m²; `None` for a piezoelectric harvester.
+    pub charge_density_c_per_m2: Option<f64>,
+    /// A value of a key that does not conserve the energy, and the one that does; `None` where it is conserved.
+    pub not_conserved: Option<[&'static str; 2]>,
+}
+
+/// What the natural frequency of a beam depends on.
+const BEAM_KEYS: &str = "the beam's dimensions, density and young_modulus_pa";
 
 /// Reads and checks a scene file, with `overrides` put in first, in their order.
 ///
@@ -89,10 +115,10 @@ pub fn number_at(file: &Path, overrides: &[Override], key: &str) -> Result<Optio
     let document = Document::read(file, overrides)?;
     match document.at(key) {
         None => Ok(None),
-        Some(node) => match node.content {
-            Content::Number(value, _) => Ok(Some(value)),
-            _ => Err(SceneError::of_value(file, key, node, "must be a number")),
-        },
+        Some(node) => {
+            let refused = || SceneError::of_value(file, key, node, "must be a number");
+            node.content.number().map(Some).ok_or_else(refused)
+        }
     }
 }
 
@@ -149,19 +175,16 @@ fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>,
     let document = Document::read(file, overrides)?;
     let mut root = Section::root(&document, &KEYS);
     let scenes: [(&Kind, Reader<Model>); 3] = [
-        (&contact_separation::KIND, contact_separation::model),
-        (&sliding::KIND, sliding::model),
-        (&bump_stop::KIND, bump_stop::model),
+        (&contact_separation::KIND, |root| contact_separation::model(root).map(Model::from)),
+        (&sliding::KIND, |root| sliding::model(root).map(Model::from)),
+        (&bump_stop::KIND, |root| bump_stop::model(root).map(Model::from)),
     ];
     let model = root.kind(&scenes)?(&mut root)?;
     let (load, part) = load::load(root.table("load")?)?;
     let excitation = excitation::excitation(root.table("excitation")?)?;
     let run = run_span::run_span(root.table("run")?, &excitation)?;
     let limits = limits::limits(root.optional_table("limits")?.unwrap_or_else(|| root.empty("limits")))?;
-    let node = match root.optional_table("node")? {
-        Some(section) => Some(node::node(section, load, part)?),
-        None => None,
-    };
+    let node = root.optional_table("node")?.map(|section| node::node(section, load, part)).transpose()?;
     let fit = root.optional_table("fit")?.map(fit::fit).transpose()?.unwrap_or_default();
     root.finish()?;
     Ok((Scene { file: file.to_owned(), model, load, excitation, run, limits }, node, fit))

@@ -8,7 +8,7 @@ fn shipped(name: &str) -> Scene {
 
 /// The sliding harvester of Table 1.
 pub(crate) fn sliding() -> SlidingParameters {
-    shipped("sliding").model.sliding().expect("sliding").parameters
+    shipped("sliding").sliding().expect("sliding").parameters
 }
 
 /// The bump-stop harvester with its stop.

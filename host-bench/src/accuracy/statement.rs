@@ -14,7 +14,7 @@ use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::{Accuracy, Fields, Outcome, fields, standard_error_of_sum};
 use crate::run::run_scene;
-use crate::scene_file::{Draw, Excitation, Load, Model, Scene, Tone, Trace};
+use crate::scene_file::{Draw, Excitation, Load, Scene, Tone, Trace};
 
 /// Stated errors over differences: of the energies delivered, and of those in the parts of the window, which cancel by chance in
 /// the whole. Both are fitted to random scenes: docs/verification.md.
@@ -126,7 +126,7 @@ fn finer(
 /// The stated error of a beam that bounces at a rigid stop without a gap, by runs in longer steps. Impacts between two steps are
 /// missed there at any step: two runs may agree by chance, and the error falls with the root of the step at most.
 fn by_coarser_steps(runs: &mut Runs<'_>, double: &Options, alike: &Outcome) -> f64 {
-    let stop = if let Model::BumpStop(model) = &runs.scene.model { model.stop.as_ref() } else { None };
+    let stop = runs.scene.bump_stop().ok().and_then(|model| model.stop.as_ref());
     let bounces_at_rest = stop.is_some_and(|stop| stop.gap_m == 0.0 && stop.restitution.is_some());
     if !bounces_at_rest || !has_own_steps(runs.scene, double) {
         return 0.0;
@@ -168,12 +168,7 @@ fn in_shorter_steps(runs: &mut Runs<'_>, shorter: &Options, alike: &Outcome) -> 
 /// Whether a triboelectric run starts with a charge of its own. In a resistor, the force of a charge that is gone within
 /// nanoseconds acts throughout its first step; behind a bridge its kilovolts scale the errors of what is left of it.
 fn has_start_charge(scene: &Scene, options: &Options) -> bool {
-    let charge_c = match &scene.model {
-        Model::ContactSeparation(model) => model.initial.charge_c,
-        Model::Sliding(model) => model.initial.charge_c,
-        Model::BumpStop(_) => None,
-    };
-    has_tolerance(scene, options) && charge_c.is_some()
+    has_tolerance(scene, options) && scene.model.summary().start.is_some_and(|[.., charge]| charge.is_some())
 }
 
 /// The mean step of a run in s.

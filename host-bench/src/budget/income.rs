@@ -63,7 +63,7 @@ fn at_voltage(curve: &[(f64, f64)], voltage: f64) -> f64 {
 /// Options of a run for the income; the tolerance of firmware where none is given.
 pub(crate) fn options(scene: &Scene, precision: Precision, tolerance: Option<f64>) -> Options {
     // The step of a bump-stop scene does not follow from a tolerance.
-    let tolerance = tolerance.or(scene.model.bump_stop().is_none().then_some(NODE_TOLERANCE));
+    let tolerance = tolerance.or(scene.bump_stop().is_err().then_some(NODE_TOLERANCE));
     Options { precision: Some(precision), tolerance, ..Options::default() }
 }
 

@@ -70,7 +70,7 @@ pub fn build(done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
 
 /// Gap at rest in m; 0 without a stop.
 fn gap_m(scene: &Scene) -> f64 {
-    scene.model.bump_stop().and_then(|model| model.stop).map_or(0.0, |stop| stop.gap_m)
+    scene.bump_stop().ok().and_then(|model| model.stop).map_or(0.0, |stop| stop.gap_m)
 }
 
 const INTRODUCTION: &str = "<p>After Mak, McWilliam, Popov and Fox, <i>Vibro-Impact Dynamics of a \

@@ -7,7 +7,7 @@ mod resistance;
 mod resonance;
 mod response;
 
-pub(crate) use self::resonance::{Case, Peak, sliding};
+pub(crate) use self::resonance::{Case, Peak};
 
 use super::{Chapter, Figure, Panel, each, sine};
 use crate::method::{Failure, Options};
@@ -27,7 +27,7 @@ pub(crate) fn runs() -> usize {
 
 /// Makes the figures on all cores; `done` is called after each resonance.
 pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
-    let natural = sliding(base)?.parameters.natural_frequency_hz();
+    let natural = base.sliding()?.parameters.natural_frequency_hz();
     let base_g = format!("{} g", sine(base)?.amplitude_m_per_s2 / GRAVITY);
     let note = format!(
         "Base acceleration {base_g}; natural frequency without friction {natural:.4} Hz. Charge densities, \

@@ -137,6 +137,7 @@ pub(super) fn measure() -> Result<Measured, Failure> {
     let same_edges = small
         .map(|band| (band.edges[0] - small[0].edges[0]).abs() + (band.edges[1] - small[0].edges[1]).abs());
     let same_peaks = small.map(|band| (band.peak_mm / small[0].peak_mm - 1.0).abs());
+    let alike = "largest change where both have impacts or neither, 10 and 100 MΩ";
     let scenes = [&high, &low, &middle, &energy].into_iter().flatten().flat_map(|band| band.scenes.clone());
     Ok(vec![
         check("33", "largest gap [mm], 5 to 50 µC/m², 100 MΩ", peaks(&high), Falls).of(scenes),
@@ -159,19 +160,9 @@ pub(super) fn measure() -> Result<Measured, Failure> {
         check("36", "at 50 µC/m² [Hz]: 1, 10, 100 MΩ", large.map(|band| band.edges[0]), Falls),
         check("40", "5 µC/m²: move of the edges from 1 MΩ [Hz]", same_edges, Below(0.02)),
         check("40", "5 µC/m²: change of the largest gap", same_peaks, Below(1e-3)),
-        check(
-            "40",
-            "largest change where both have impacts or neither, 10 and 100 MΩ",
-            differences(small),
-            Below(5e-3),
-        ),
+        check("40", alike, differences(small), Below(5e-3)),
         check("41", "50 µC/m²: width [Hz], 1, 10, 100 MΩ", large.map(Band::width), Rises),
-        check(
-            "41",
-            "largest change where both have impacts or neither, 10 and 100 MΩ",
-            differences(large),
-            Reported,
-        ),
+        check("41", alike, differences(large), Reported),
         check(
             "43",
             "5 µC/m²: largest change where both have impacts or neither",

@@ -5,8 +5,8 @@ use super::statistics::{correlation, largest, mean, median, root_mean_square, sh
 use super::{Bound::*, Measured, check};
 use crate::embedded::{ContactInterval, chattering_phases, contact_intervals};
 use crate::method::{Failure, Options};
-use crate::scene_file::Excitation;
 use crate::scene_file::modes::BumpStopModes;
+use crate::scene_file::{Excitation, Scene};
 
 /// Time before and after a contact that belongs to the contact phase, in periods.
 const MARGIN: f64 = 0.0625;
@@ -25,8 +25,13 @@ pub(super) struct Phases {
 }
 
 impl Phases {
-    pub(super) fn new(contacts: Vec<ContactInterval>, period_s: f64) -> Self {
-        Self { contacts, period_s }
+    /// Those of a run of the scene by the default method.
+    pub(super) fn new(scene: &Scene) -> Result<Self, Failure> {
+        Ok(Self { contacts: contact_intervals(scene, &Options::default())?, period_s: period_s(scene) })
+    }
+
+    fn of(history: &History) -> Self {
+        Self { contacts: history.contacts.clone(), period_s: period_s(&history.scene) }
     }
 
     fn chattering(&self) -> impl Iterator<Item = &[ContactInterval]> {
@@ -80,6 +85,11 @@ impl Phases {
     }
 }
 
+/// Period of the base in s.
+fn period_s(scene: &Scene) -> f64 {
+    scene.excitation.single_frequency().map_or(f64::NAN, f64::recip)
+}
+
 /// Voltages with and without a stop, over the contact phases and over the open phases.
 struct Compared {
     /// RMS voltage over that without the stop.
@@ -90,7 +100,7 @@ struct Compared {
 
 impl Compared {
     fn new(with: &History, without: &History) -> Self {
-        let near = with.phases().contains(with.samples.iter().map(|sample| sample.time_s));
+        let near = Phases::of(with).contains(with.samples.iter().map(|sample| sample.time_s));
         let pairs = |wanted: bool| {
             let both = with.samples.iter().zip(&without.samples).zip(&near);
             both.filter(move |(_, near)| **near == wanted)
@@ -116,11 +126,7 @@ fn histories(names: [&str; 3], changes: Changes<'_>) -> Result<[History; 3], Fai
 /// Contacts of the scenes with a stop.
 fn phases_of(names: &[&str; 3], changes: Changes<'_>) -> Result<[Phases; 2], Failure> {
     let [tip, mid, _] = *names;
-    each_of([tip, mid], |name| {
-        let scene = scene(name, changes)?;
-        let period_s = scene.excitation.single_frequency().map_or(f64::NAN, f64::recip);
-        Ok(Phases::new(contact_intervals(&scene, &Options::default())?, period_s))
-    })
+    each_of([tip, mid], |name| Phases::new(&scene(name, changes)?))
 }
 
 /// Findings 1 to 13.
@@ -140,9 +146,9 @@ pub(super) fn measure() -> Result<Measured, Failure> {
 
 /// Findings 1 to 6: contacts, forces and displacements.
 fn chatter(paper: [&History; 2], near: [&History; 2], light: &[Phases; 2]) -> Result<Measured, Failure> {
-    let [of_paper, of_near] = [paper, near].map(|pair| pair.map(History::phases));
+    let [of_paper, of_near] = [paper, near].map(|pair| pair.map(Phases::of));
     let least = |history: &History| {
-        history.phases().least_in_a_period(history.scene.run.settle_s, history.scene.run.duration_s)
+        Phases::of(history).least_in_a_period(history.scene.run.settle_s, history.scene.run.duration_s)
     };
     let pair = |of: fn(&History) -> f64, pair: [&History; 2]| pair.map(of).to_vec();
     let shares = |of: &[Phases; 2]| of.each_ref().map(Phases::longest_share).to_vec();
@@ -229,7 +235,7 @@ pub(super) fn measure_not_reproduced() -> Result<Measured, Failure> {
         (one?, other?)
     };
     let open = |with: [&History; 2], none: &History| with.map(|with| Compared::new(with, none).open_ratio);
-    let shares = [&wide_tip, &wide_mid].map(|history| history.phases().longest_share());
+    let shares = [&wide_tip, &wide_mid].map(|history| Phases::of(history).longest_share());
     let peaks = wide_mid.peak_voltage_v() / wide_tip.peak_voltage_v();
     Ok(vec![
         check("c", "1 MΩ: RMS voltage out of contact / none", open([&tip, &mid], &none), Within(0.85, 1.1)),
@@ -280,10 +286,8 @@ fn mean_displacement_error(history: &History) -> Result<f64, Failure> {
 }
 
 fn modes(history: &History) -> Result<BumpStopModes, Failure> {
-    let model = history.scene.model.bump_stop();
-    model
-        .map(|model| BumpStopModes::new(&model.parameters, model.stop.as_ref()))
-        .ok_or_else(|| Failure::of_file(&history.scene, "scene must be \"bump-stop\" here"))
+    let model = history.scene.bump_stop()?;
+    Ok(BumpStopModes::new(&model.parameters, model.stop.as_ref()))
 }
 
 /// Period in s of the second bending mode.
@@ -300,7 +304,7 @@ fn rod_peak(history: &History) -> f64 {
 
 /// Median distance in m of the beam from the rest position of the rod within the chattering phases.
 fn distance(history: &History) -> f64 {
-    let spans = history.phases().spans();
+    let spans = Phases::of(history).spans();
     let mut rest = &spans[..];
     let is_within = |sample: &&Sample| {
         while let [[_, ends], later @ ..] = rest
@@ -317,7 +321,7 @@ fn distance(history: &History) -> f64 {
 /// RMS displacement of the rod without a force in the contact phases, over that of its face under the peak acceleration
 /// of the base at rest, `ρ a L²/2E`.
 fn free_rod(history: &History) -> f64 {
-    let near = history.phases().contains(history.samples.iter().map(|sample| sample.time_s));
+    let near = Phases::of(history).contains(history.samples.iter().map(|sample| sample.time_s));
     let free = history.samples.iter().zip(near).filter(|(sample, near)| *near && sample.force_n == 0.0);
     let acceleration = match &history.scene.excitation {
         Excitation::Sine(tone) => tone.amplitude_m_per_s2,

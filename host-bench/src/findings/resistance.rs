@@ -4,7 +4,6 @@ use super::runs::{Changes, each, each_of, scene, value};
 use super::statistics::{largest, least, smallest, spread};
 use super::{Bound::*, Measured, check};
 use crate::embedded::resonance_peak;
-use crate::figures::sliding::sliding;
 use crate::method::{Failure, Options};
 use crate::run::run_scene;
 use crate::steady_state::DEFAULT_POINTS;
@@ -36,7 +35,7 @@ struct Peak {
 
 fn peak(changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Peak, Failure> {
     let scene = scene("sliding", changes)?;
-    let natural_hz = sliding(&scene)?.parameters.natural_frequency_hz();
+    let natural_hz = scene.sliding()?.parameters.natural_frequency_hz();
     let (found, _) = resonance_peak(&scene, range_hz, DEFAULT_POINTS, &Options::default())?;
     let found = found.ok_or_else(|| Failure::of_file(&scene, "no stable orbit of one period"))?;
     Ok(Peak {
@@ -198,6 +197,6 @@ fn last_less_first(values: &[f64]) -> f64 {
 /// `2ζf` of the sliding scene in mHz.
 fn half_width_mhz() -> Result<f64, Failure> {
     let scene = scene("sliding", &[])?;
-    let parameters = &sliding(&scene)?.parameters;
+    let parameters = &scene.sliding()?.parameters;
     Ok(2e3 * parameters.damping_ratio * parameters.natural_frequency_hz())
 }

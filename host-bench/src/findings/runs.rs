@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::phases::Phases;
 use crate::embedded::{ContactInterval, contact_intervals};
 use crate::method::{Failure, Options};
 use crate::outcome::{BumpStopOutcome, Outcome};
@@ -101,16 +100,6 @@ impl History {
         Ok(Self { scene, outcome, samples, contacts })
     }
 
-    /// Period of the base in s.
-    pub(super) fn period_s(&self) -> f64 {
-        self.scene.excitation.single_frequency().map_or(f64::NAN, f64::recip)
-    }
-
-    /// The contact phases.
-    pub(super) fn phases(&self) -> Phases {
-        Phases::new(self.contacts.clone(), self.period_s())
-    }
-
     /// Gap at rest in m; not-a-number without a stop.
     pub(super) fn gap_m(&self) -> f64 {
         stop(&self.scene).map_or(f64::NAN, |stop| stop.gap_m)
@@ -139,5 +128,5 @@ impl History {
 
 /// The stop of a bump-stop scene.
 pub(super) fn stop(scene: &Scene) -> Option<&StopParameters> {
-    scene.model.bump_stop()?.stop.as_ref()
+    scene.bump_stop().ok()?.stop.as_ref()
 }

@@ -4,11 +4,9 @@ use super::phases::Phases;
 use super::runs::{Changes, NEAR_RESONANCE, PAPER, bump_stop, each_of, run, scene, value};
 use super::statistics::{largest, mean};
 use super::{Bound::*, Measured, check};
-use crate::embedded::{
-    DeflectedShape, ShapePoint, bump_stop_parameters, contact_intervals, deflected_shapes,
-};
+use crate::embedded::{DeflectedShape, ShapePoint, bump_stop_parameters, deflected_shapes};
 use crate::method::{Failure, Options};
-use crate::scene_file::{Model, Scene};
+use crate::scene_file::Scene;
 
 /// Places along the beam besides the clamp; a multiple of 4.
 const STATIONS: usize = 60;
@@ -37,8 +35,7 @@ struct InContact {
 
 impl InContact {
     fn of(scene: &Scene) -> Result<Self, Failure> {
-        let period_s = scene.excitation.single_frequency().map_or(f64::NAN, f64::recip);
-        let phases = Phases::new(contact_intervals(scene, &Options::default())?, period_s);
+        let phases = Phases::new(scene)?;
         let shapes = shapes(scene, EVERY_S, STATIONS)?;
         let spans = phases.spans();
         let is_chattering = |shape: &&DeflectedShape| {
@@ -105,10 +102,7 @@ pub(super) fn measure_charge() -> Result<Measured, Failure> {
             name,
             &[("load.resistance_ohm", "inf"), ("run.settle_s", "0"), ("run.duration_s", "0.05")],
         )?;
-        let Model::BumpStop(model) = &scene.model else {
-            return Err(Failure::of_file(&scene, "scene must be \"bump-stop\" here"));
-        };
-        let core = bump_stop_parameters::<f64>(model, scene.load);
+        let core = bump_stop_parameters::<f64>(scene.bump_stop()?, scene.load);
         let section = core.section();
         let per_slope = section.coupling / (section.capacitance_per_length * core.beam_length);
         let shapes = shapes(&scene, EVERY_S, 1)?;

@@ -11,7 +11,7 @@ use super::free::{Free, Place};
 use crate::embedded::{self, Memory};
 use crate::method::{Failure, Options};
 use crate::outcome::{Outcome, number};
-use crate::scene_file::{self, Excitation, Load, Model, Override, RunSpan, Scene, Tone, Trace};
+use crate::scene_file::{self, Excitation, Load, Override, RunSpan, Scene, Tone, Trace};
 
 /// Relative size of the coordinate's change by which a motion without a period is differentiated: its means are noisy.
 const WIDE: f64 = 0.02;
@@ -425,7 +425,7 @@ pub(crate) fn record(
 /// The displacement of contact-separation is that from rest, opening positive. A gap is never negative; a displacement that
 /// never is, beyond a thousandth of its largest value, is the gap.
 pub(crate) fn origin(scene: &Scene, data: &Data) -> f64 {
-    let Model::ContactSeparation(model) = &scene.model else { return 0.0 };
+    let Ok(model) = scene.contact_separation() else { return 0.0 };
     let Some(column) = data.columns.iter().find(|column| column.name == "displacement_m") else { return 0.0 };
     let (low, high) = crate::report::svg::extremes(column.values.iter().copied());
     if low < -1e-3 * high.abs() { model.parameters.initial_gap_m } else { 0.0 }
@@ -433,13 +433,13 @@ pub(crate) fn origin(scene: &Scene, data: &Data) -> f64 {
 
 /// Starts the motion of a scene at a coordinate: gap, displacement, or displacement of the first mode.
 pub(crate) fn displace(scene: &mut Scene, value: f64) {
-    match &mut scene.model {
-        Model::ContactSeparation(model) => model.initial.gap_m = Some(value.max(0.0)),
-        Model::Sliding(model) => model.initial.displacement_m = Some(value),
-        Model::BumpStop(model) => {
-            if let Some(first) = model.initial.modal_displacement.first_mut() {
-                *first = value;
-            }
-        }
+    if let Ok(model) = scene.contact_separation_mut() {
+        model.initial.gap_m = Some(value.max(0.0));
+    } else if let Some([coordinate, ..]) = scene.model.start_mut() {
+        *coordinate = Some(value);
+    } else if let Some(first) =
+        scene.bump_stop_mut().ok().and_then(|model| model.initial.modal_displacement.first_mut())
+    {
+        *first = value;
     }
 }

@@ -5,7 +5,7 @@ use super::free::{Free, Place};
 use super::model::{Interpolation, displace, origin, record, with_trace};
 use crate::method::{Failure, Options};
 use crate::name::Name;
-use crate::scene_file::{Model, Scene};
+use crate::scene_file::{Scene, Summary};
 
 /// Displacement of the first mode in √kg·m by which its displacement at the tip is measured.
 const PROBE: f64 = 1e-6;
@@ -13,15 +13,6 @@ const PROBE: f64 = 1e-6;
 const TIP: f64 = 1e-4;
 /// Factor from the start to the bounds.
 const FARTHEST: f64 = 20.0;
-
-/// The key of a scene's displacement at the start.
-fn key(scene: &Scene) -> &'static str {
-    match scene.model {
-        Model::ContactSeparation(_) => "initial.gap_m",
-        Model::Sliding(_) => "initial.displacement_m",
-        Model::BumpStop(_) => "initial.modal_displacement.0",
-    }
-}
 
 /// Adds the displacement at the start of each ring-down, unless a displacement at the start is free already.
 pub(super) fn free_starts(
@@ -40,13 +31,14 @@ pub(super) fn free_starts(
         return Ok(());
     }
     let count = data.iter().filter(|data| data.is_ring_down()).count();
+    let key = scene.model.summary().start_key;
     for (index, data) in data.iter().enumerate().filter(|(_, data)| data.is_ring_down()) {
         let start = start(scene, data, options)?;
         let of_file = Name::of_file(&data.file).line();
-        let is_gap = matches!(scene.model, Model::ContactSeparation(_));
+        let is_gap = scene.contact_separation().is_ok();
         let reach = FARTHEST * start.abs();
         free.push(Free {
-            name: if count == 1 { key(scene).to_owned() } else { format!("{} of {of_file}", key(scene)) },
+            name: if count == 1 { key.to_owned() } else { format!("{key} of {of_file}") },
             place: Place::StartOf(index),
             start,
             low: if is_gap { 0.0 } else { -reach },
@@ -63,21 +55,14 @@ fn start(scene: &Scene, data: &Data, options: &Options) -> Result<f64, Failure> 
     let column = data.columns.iter().find(|column| column.name != "voltage_v");
     let first = column.and_then(|column| column.values.first()).copied();
     let with_default = |value: f64, default: f64| if value == 0.0 { default } else { value };
-    Ok(match &scene.model {
-        Model::ContactSeparation(model) => {
-            let gap = model.parameters.initial_gap_m;
-            with_default(first.map_or(1.5 * gap, |first| first + origin(scene, data)), 1.5 * gap)
-        }
-        Model::Sliding(model) => {
-            let radius = model.parameters.patch_radius_m;
-            with_default(first.unwrap_or(0.5 * radius), 0.5 * radius)
-        }
-        Model::BumpStop(_) => {
-            let mut probed = with_trace(scene, data, Interpolation::Smooth);
-            displace(&mut probed, PROBE);
-            let tip = record(&probed, data, options)?.and_then(|rows| rows.first().map(|row| row[0]));
-            let tip = tip.filter(|tip| *tip != 0.0).unwrap_or(PROBE);
-            PROBE / tip * with_default(first.unwrap_or(TIP), TIP)
-        }
-    })
+    if scene.bump_stop().is_err() {
+        let Summary { rest_m, length_m, .. } = scene.model.summary();
+        let usual = rest_m + 0.5 * length_m;
+        return Ok(with_default(first.map_or(usual, |first| first + origin(scene, data)), usual));
+    }
+    let mut probed = with_trace(scene, data, Interpolation::Smooth);
+    displace(&mut probed, PROBE);
+    let tip = record(&probed, data, options)?.and_then(|rows| rows.first().map(|row| row[0]));
+    let tip = tip.filter(|tip| *tip != 0.0).unwrap_or(PROBE);
+    Ok(PROBE / tip * with_default(first.unwrap_or(TIP), TIP))
 }

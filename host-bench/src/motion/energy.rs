@@ -59,12 +59,10 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
             let colour = hex(*colour);
             let fill = if value < 0.0 { "none" } else { &colour };
             let of = if known.len() > 1 { format!("  {}", escaped(&one.name)) } else { String::new() };
-            let supplied = parts.first().map_or(0.0, |(_, value)| *value);
-            let part = if supplied > 0.0 {
+            let supplied = parts.first().map(|(_, value)| *value).filter(|supplied| *supplied > 0.0);
+            let part = supplied.map_or_else(String::new, |supplied| {
                 format!(", {:.3} % of what comes from the base", 100.0 * value / supplied)
-            } else {
-                String::new()
-            };
+            });
             // The title is what a browser shows at the pointer.
             let _ = writeln!(
                 text,

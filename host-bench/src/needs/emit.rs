@@ -135,14 +135,11 @@ pub fn start() -> {start_type} {{
 
     /// The imports of the names that `body` has.
     fn imports(&self, body: &str) -> String {
-        let scene = match self.scene.model {
-            Model::ContactSeparation(_) => "scene::contact_separation",
-            Model::Sliding(_) => "scene::sliding",
-            Model::BumpStop(_) => "scene::bump_stop",
-        };
+        let scene = format!("scene::{}", self.scene.name().replace('-', "_"));
         let words: BTreeSet<&str> =
             body.split(|letter: char| !letter.is_alphanumeric() && letter != '_').collect();
-        let modules = MODULES.iter().map(|(module, names)| (*module, *names)).chain([(scene, &OF_SCENE[..])]);
+        let modules =
+            MODULES.iter().map(|(module, names)| (*module, *names)).chain([(&*scene, &OF_SCENE[..])]);
         let line = |(module, names): (&str, &[&str])| {
             let used: Vec<&str> = names.iter().copied().filter(|name| words.contains(name)).collect();
             match used.as_slice() {
@@ -306,8 +303,7 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
             "Choices<{}, {}, {}, {}>",
             circuit.of_type, stop.of_type, coupling.of_type, tip_mass.of_type
         );
-        let modes = [from.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)];
-        let [beam, rod] = modes;
+        let [beam, rod] = model.modes();
         let (short, long) = match self.setting.control {
             Control::ShortAndLong([short, long]) => (short, long),
             Control::FixedStep(step) | Control::Tolerance(step) => (step, step),

@@ -253,11 +253,5 @@ fn parts_of_load(load: &Load, full: &Outcome) -> Vec<Part> {
 
 /// The numbers of modes of beam and rod of a bump-stop scene.
 pub(crate) fn modes(scene: &Scene) -> [usize; 2] {
-    match &scene.model {
-        Model::BumpStop(model) => {
-            let rod = model.stop.as_ref().map_or(0, |stop| stop.rod_modes);
-            [model.parameters.beam_modes, rod]
-        }
-        _ => [0; 2],
-    }
+    scene.bump_stop().map_or([0; 2], BumpStop::modes)
 }

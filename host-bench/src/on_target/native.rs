@@ -8,7 +8,7 @@ use super::decode::Sample;
 use super::qemu::Core;
 use super::{Error, Workload};
 use crate::reference::{self, ReferenceOptions};
-use crate::scene_file::{self, Excitation, Model, RunSpan, Scene, Tone};
+use crate::scene_file::{self, Excitation, RunSpan, Scene, Tone};
 
 /// Runs a workload to its end and gives its samples. A host's run has no ticks.
 ///
@@ -108,11 +108,8 @@ pub fn scene(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
         phase_rad: 0.0,
     });
     scene.run = RunSpan { duration_s: plan.seconds(), settle_s };
-    let velocity = Some(f64::from(plan.velocity));
-    match &mut scene.model {
-        Model::ContactSeparation(model) => model.initial.velocity_m_per_s = velocity,
-        Model::Sliding(model) => model.initial.velocity_m_per_s = velocity,
-        Model::BumpStop(_) => {}
+    if let Some([_, velocity_m_per_s, _]) = scene.model.start_mut() {
+        *velocity_m_per_s = Some(f64::from(plan.velocity));
     }
     Ok(scene)
 }
@@ -124,7 +121,7 @@ pub fn scene(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
 /// If the shipped scene cannot be read.
 pub fn bump_stop(plan: &Plan, gap: f32, settle_s: f64) -> Result<Scene, Error> {
     let mut scene = scene("bump-stop", plan, settle_s)?;
-    if let Model::BumpStop(model) = &mut scene.model {
+    if let Ok(model) = scene.bump_stop_mut() {
         model.parameters.beam_modes = BEAM_MODES;
         if let Some(stop) = &mut model.stop {
             (stop.rod_modes, stop.gap_m) = (ROD_MODES, f64::from(gap));

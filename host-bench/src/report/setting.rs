@@ -1,7 +1,7 @@
 //! The parameters of a scene in a few words, for the title of a picture; keys as titles of axes; numbers with a prefix of
 //! their unit.
 
-use crate::scene_file::{Excitation, Load, Model, Scene, rows_of};
+use crate::scene_file::{Excitation, Load, Scene, rows_of};
 
 /// Prefixes of units and their powers of a thousand.
 const PREFIXES: [(&str, i32); 9] =
@@ -39,14 +39,12 @@ pub(crate) fn margin(all: impl IntoIterator<Item = f64>) -> String {
 /// The parameters of a scene that a picture should name, without those of these keys.
 pub(crate) fn setting(scene: &Scene, without: &[&str]) -> String {
     let mut parts: Vec<(&str, String)> = Vec::new();
-    match &scene.model {
-        Model::ContactSeparation(model) => parts.push(charge(model.parameters.charge_density_c_per_m2)),
-        Model::Sliding(model) => parts.push(charge(model.parameters.charge_density_c_per_m2)),
-        Model::BumpStop(model) => parts.push(match &model.stop {
-            Some(stop) => ("stop.gap_m", format!("gap {}", with_unit(stop.gap_m, "m"))),
-            None => ("stop", "no stop".to_owned()),
-        }),
-    }
+    let stop = scene.bump_stop().ok().and_then(|model| model.stop.as_ref());
+    parts.push(match (scene.model.summary().charge_density_c_per_m2, stop) {
+        (Some(density), _) => ("parameters.charge_density_c_per_m2", with_unit(density, "C/m²")),
+        (None, Some(stop)) => ("stop.gap_m", format!("gap {}", with_unit(stop.gap_m, "m"))),
+        (None, None) => ("stop", "no stop".to_owned()),
+    });
     parts.push(match scene.load {
         Load::Resistor { resistance_ohm } if resistance_ohm.is_infinite() => {
             ("load.resistance_ohm", "open circuit".to_owned())
@@ -78,10 +76,6 @@ pub(crate) fn setting(scene: &Scene, without: &[&str]) -> String {
     }
     let shown = parts.iter().filter(|(key, _)| !without.iter().any(|other| other.starts_with(key)));
     shown.map(|(_, text)| text.as_str()).collect::<Vec<_>>().join(", ")
-}
-
-fn charge(density: f64) -> (&'static str, String) {
-    ("parameters.charge_density_c_per_m2", with_unit(density, "C/m²"))
 }
 
 /// Four digits behind the point at most.

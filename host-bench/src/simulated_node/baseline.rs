@@ -3,8 +3,8 @@
 use harvester_scene::market::Reservoir;
 use model_core::node::{IncomeOfTime, Task, VoltageParameters, Wake};
 
+use super::Strategy;
 use super::settings::Settings;
-use super::strategy::Strategy;
 
 /// Seconds from one reading to the next of the difference of two readings.
 const EVERY: u32 = 300;

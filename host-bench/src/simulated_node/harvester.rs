@@ -10,7 +10,7 @@ use model_core::scene::{Harvester, Simulation};
 
 use crate::embedded::{bump_stop_parameters, contact_separation_parameters, sliding_parameters};
 use crate::method::Failure;
-use crate::scene_file::{self, Model};
+use crate::scene_file;
 
 /// Sines of a random acceleration.
 pub(super) const LINES: usize = 200;
@@ -77,35 +77,37 @@ impl Kind {
         let name = ["node", "sliding", "bump-stop-none"][self as usize];
         let scene = scene_file::read(&scene_file::shipped(name), &[])?;
         let adaptive = Adaptive::new(TOLERANCE).map_err(fail)?;
-        match &scene.model {
-            Model::ContactSeparation(model) => energies(vibration, &off, |off| {
-                let Deviation { charge, damping, resistance, resonance } = off;
-                let mut with = contact_separation_parameters::<f64, Polynomial>(model, scene.load);
-                with.stiffness *= resonance * resonance;
-                with.damping_ratio *= damping;
-                with.charge_density *= charge;
-                with.choices.load.resistance *= resistance;
-                Ok(Simulation::new(with.build().map_err(fail)?, ExponentialRadau, adaptive))
-            }),
-            Model::Sliding(model) => energies(vibration, &off, |off| {
-                let Deviation { charge, damping, resistance, resonance } = off;
-                let mut with = sliding_parameters::<f64>(model, scene.load);
-                with.young_modulus *= resonance * resonance;
-                with.damping_ratio *= damping;
-                with.charge_density *= charge;
-                with.choices.load.resistance *= resistance;
-                Ok(Simulation::new(with.build().map_err(fail)?, ExponentialRadau, adaptive))
-            }),
-            Model::BumpStop(model) => energies(vibration, &off, |off| {
-                let Deviation { charge, damping, resistance, resonance } = off;
-                let mut with = bump_stop_parameters::<f64>(model, scene.load);
-                with.substrate.young_modulus *= resonance * resonance;
-                with.piezo.young_modulus *= resonance * resonance;
-                with.damping_ratio *= damping;
-                with.piezo_d31 *= charge;
-                with.choices.load.0.resistance *= resistance;
-                Stepper::new(with.build::<1, 0>().map_err(fail)?, 1e-4, 2e-4).map_err(fail)
-            }),
+        // The two are off alike, but for what makes their stiffness.
+        macro_rules! triboelectric {
+            ($parameters:expr, $stiffness:ident) => {
+                energies(vibration, &off, |Deviation { charge, damping, resistance, resonance }| {
+                    let mut with = $parameters;
+                    with.$stiffness *= resonance * resonance;
+                    with.damping_ratio *= damping;
+                    with.charge_density *= charge;
+                    with.choices.load.resistance *= resistance;
+                    Ok(Simulation::new(with.build().map_err(fail)?, ExponentialRadau, adaptive))
+                })
+            };
+        }
+        let load = scene.load;
+        match self {
+            Self::ContactSeparation => triboelectric!(
+                contact_separation_parameters::<f64, Polynomial>(scene.contact_separation()?, load),
+                stiffness
+            ),
+            Self::Sliding => triboelectric!(sliding_parameters::<f64>(scene.sliding()?, load), young_modulus),
+            Self::BumpStop => {
+                energies(vibration, &off, |Deviation { charge, damping, resistance, resonance }| {
+                    let mut with = bump_stop_parameters::<f64>(scene.bump_stop()?, load);
+                    with.substrate.young_modulus *= resonance * resonance;
+                    with.piezo.young_modulus *= resonance * resonance;
+                    with.damping_ratio *= damping;
+                    with.piezo_d31 *= charge;
+                    with.choices.load.0.resistance *= resistance;
+                    Stepper::new(with.build::<1, 0>().map_err(fail)?, 1e-4, 2e-4).map_err(fail)
+                })
+            }
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use model_core::node::{IncomeOfTime, Task, Wake};
 
+use super::Strategy;
 use super::plant::World;
-use super::strategy::Strategy;
 
 /// A storage whose income is known. Energies in J.
 #[derive(Debug, Clone, PartialEq)]

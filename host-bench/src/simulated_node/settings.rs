@@ -10,8 +10,8 @@ use model_core::node::{
     NodeError, Regular, Sensor, Tolerances, VoltageNode, VoltageParameters, VoltageState,
 };
 
+use super::Tiered;
 use super::harvester::Kind;
-use super::strategy::Tiered;
 
 /// A node with a map: sections of at most 20 samples, 32 of them in a block; one action.
 pub type OneNode = MapOn<CapacitorElement>;

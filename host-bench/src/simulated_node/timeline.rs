@@ -165,12 +165,7 @@ fn noise(points: [[f64; 2]; 2], lines: usize, random: &mut Source) -> Option<Vib
 }
 
 /// The vibration of sixty minutes, from the hour of this index on.
-fn hour(
-    kind: Kind,
-    vibration_kind: VibrationKind,
-    index: usize,
-    random: &mut Source,
-) -> Option<Vec<Vibration>> {
+fn hour(kind: Kind, of: VibrationKind, index: usize, random: &mut Source) -> Option<Vec<Vibration>> {
     let [[low, high], [first, last]] = kind.vibration();
     let [resonance, half] = kind.resonance();
     let amplitude = low * libm::pow(high / low, random.uniform(0.0, 1.0));
@@ -182,16 +177,17 @@ fn hour(
     let whole =
         |random: &mut Source, least: usize, more: f64| least + (more * random.uniform(0.0, 1.0)) as usize;
     let centre = frequency(random);
-    Some(match vibration_kind {
+    let tones = |at: &dyn Fn(u32) -> f64| (0..60).map(|minute| tone(amplitude, at(minute))).collect();
+    Some(match of {
         VibrationKind::Silence => vec![AnyExcitation::Silence; 60],
         VibrationKind::Tone => vec![tone(amplitude, centre); 60],
         VibrationKind::Beat => {
-            let mut tones = Tones::new();
-            tones.push(Sine::new(amplitude, centre, 0.3).ok()?).ok()?;
+            let mut both = Tones::new();
+            both.push(Sine::new(amplitude, centre, 0.3).ok()?).ok()?;
             let other = frequency(random);
             let beside = amplitude * (0.1 + 0.6 * random.uniform(0.0, 1.0));
-            tones.push(Sine::new(beside, other, 0.3).ok()?).ok()?;
-            vec![AnyExcitation::Tones(tones); 60]
+            both.push(Sine::new(beside, other, 0.3).ok()?).ok()?;
+            vec![AnyExcitation::Tones(both); 60]
         }
         VibrationKind::Bursts => {
             let spans = [whole(random, 2, 8.0), whole(random, 2, 8.0)];
@@ -199,15 +195,12 @@ fn hour(
         }
         VibrationKind::Drift => {
             let end = frequency(random);
-            (0..60)
-                .map(|minute| tone(amplitude, centre + (end - centre) * f64::from(minute) / 60.0))
-                .collect()
+            tones(&|minute| centre + (end - centre) * f64::from(minute) / 60.0)
         }
         VibrationKind::Speed => {
             // Up in five hours and down in five.
             let part = |minute: u32| (f64::from(60 * index as u32 + minute) / 300.0 + 0.5).rem_euclid(2.0);
-            let at = |minute| first + (last - first) * (1.0 - (part(minute) - 1.0).abs());
-            (0..60).map(|minute| tone(amplitude, at(minute))).collect()
+            tones(&|minute| first + (last - first) * (1.0 - (part(minute) - 1.0).abs()))
         }
         VibrationKind::Broadband => {
             // Even density from 0.8 to 1.25 of the resonance, with the mean square within ten half-bandwidths of a sine.

@@ -12,12 +12,11 @@ use model_core::node::{Board, Fault, Outage, Runner, Tier};
 use model_core::scalar::{Mathematics, Polynomial};
 use rayon::prelude::*;
 
-use super::Source;
 use super::compared::Storage;
 use super::harvester::{Deviation, Kind, tone};
 use super::plant::{GRAVITY, NOISE_COUNTS};
 use super::settings::{CELL, CONVERTER_NOISE, Settings, UNIT};
-use super::strategy::Tiered;
+use super::{Source, Tiered};
 use crate::method::Failure;
 pub use quarter::{Quarter, Stress};
 

@@ -7,7 +7,7 @@ use super::table::{Cell, Column, grouped, microseconds, reason, shown};
 use super::{Comparison, Control, Errors, Extent, Kind, Variant, relative};
 use crate::method::{Method, Precision};
 use crate::outcome::{BumpStopOutcome, Outcome, name};
-use crate::scene_file::Scene;
+use crate::scene_file::{BumpStop, Scene};
 
 /// Steps near contact in s that are tried.
 const STEPS: [f64; 9] = [2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2.5e-7, 1e-7, 5e-8];
@@ -64,15 +64,12 @@ const COLUMNS: [Column; 18] = [
 
 /// Modes of the beam and of the rod.
 fn modes(scene: &Scene) -> [usize; 2] {
-    scene
-        .model
-        .bump_stop()
-        .map_or([0; 2], |model| [model.parameters.beam_modes, model.stop.map_or(0, |stop| stop.rod_modes)])
+    scene.bump_stop().map_or([0; 2], BumpStop::modes)
 }
 
 /// Place in m of the stop from the clamp, and gap in m; `None` without a stop.
 fn stop(scene: &Scene) -> Option<[f64; 2]> {
-    scene.model.bump_stop()?.stop.map(|stop| [stop.position_m, stop.gap_m])
+    scene.bump_stop().ok()?.stop.map(|stop| [stop.position_m, stop.gap_m])
 }
 
 /// Steps in s near contact and in free flight.

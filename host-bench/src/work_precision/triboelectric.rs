@@ -10,7 +10,7 @@ use super::table::{Cell, Column, resistance, shown};
 use super::{Comparison, Control, Errors, Extent, Kind, Variant, relative};
 use crate::method::{Math, Method, Precision};
 use crate::outcome::{Outcome, name};
-use crate::scene_file::{Model, Scene};
+use crate::scene_file::{ContactSeparation, Scene};
 
 /// Name of the error by which rows are compared.
 pub(crate) const MEAN_POWER: &str = "mean_power_error";
@@ -181,12 +181,9 @@ pub(super) fn variants(scene: &Scene, extent: &Extent) -> Vec<Variant> {
 
 /// The period of the excitation in s, or of the free motion where the excitation has none.
 pub(super) fn period(scene: &Scene) -> f64 {
-    let natural = match &scene.model {
-        Model::ContactSeparation(model) => {
-            TAU * (model.parameters.mass_kg / model.parameters.stiffness_n_per_m).sqrt()
-        }
-        Model::Sliding(model) => model.parameters.natural_frequency_hz().recip(),
-        Model::BumpStop(_) => 1.0,
+    let natural = match scene.contact_separation() {
+        Ok(model) => TAU * (model.parameters.mass_kg / model.parameters.stiffness_n_per_m).sqrt(),
+        Err(_) => scene.sliding().map_or(1.0, |model| model.parameters.natural_frequency_hz().recip()),
     };
     scene.excitation.single_frequency().map_or(natural, f64::recip)
 }
@@ -202,22 +199,15 @@ const COVERED: f64 = 0.19;
 
 /// The least capacitance in F in the course of the motion; `None` for a bump-stop scene, which has other rows.
 fn least_capacitance(scene: &Scene) -> Option<f64> {
-    match &scene.model {
-        Model::ContactSeparation(model) => {
-            let from = &model.parameters;
-            // The gap of a motion that touches the dielectric.
-            let distance =
-                2.0 * from.initial_gap_m + from.dielectric_thickness_m / from.relative_permittivity;
-            Some(VACUUM_PERMITTIVITY * from.electrode_area_m2 / distance + from.parasitic_capacitance_f)
-        }
-        Model::Sliding(model) => {
-            let from = &model.parameters;
-            let area = PI * from.patch_radius_m * from.patch_radius_m;
-            let distance = from.dielectric_thickness_m / from.relative_permittivity;
-            Some(VACUUM_PERMITTIVITY * area * COVERED / distance)
-        }
-        Model::BumpStop(_) => None,
+    if let Ok(ContactSeparation { parameters: from, .. }) = scene.contact_separation() {
+        // The gap of a motion that touches the dielectric.
+        let distance = 2.0 * from.initial_gap_m + from.dielectric_thickness_m / from.relative_permittivity;
+        return Some(VACUUM_PERMITTIVITY * from.electrode_area_m2 / distance + from.parasitic_capacitance_f);
     }
+    let from = &scene.sliding().ok()?.parameters;
+    let area = PI * from.patch_radius_m * from.patch_radius_m;
+    let distance = from.dielectric_thickness_m / from.relative_permittivity;
+    Some(VACUUM_PERMITTIVITY * area * COVERED / distance)
 }
 
 /// The two of [`FIXED`] that the explicit method is run with too.

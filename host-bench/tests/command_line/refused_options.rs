@@ -99,7 +99,7 @@ fn that_the_method_or_the_scene_does_not_use() {
 fn help_names_the_defaults_that_hold() {
     let help = accepted(&["run", "--help"]);
     let lines: Vec<&str> = help.lines().map(str::trim).collect();
-    let slider = read(&shipped("sliding"), &[]).expect("a shipped scene").model;
+    let slider = read(&shipped("sliding"), &[]).expect("a shipped scene");
     for (option, default) in [
         ("--accuracy", format!("default: {:e}", embedded::default_accuracy(&slider, Precision::F64))),
         (

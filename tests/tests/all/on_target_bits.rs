@@ -52,7 +52,7 @@ fn parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
 #[test]
 fn sliding_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
     let scene = shipped("sliding.toml");
-    let model = scene.model.sliding().expect("a sliding scene");
+    let model = scene.sliding().expect("a sliding scene");
     let parameters = sliding_parameters::<f32>(model, scene.load);
     let step = AnyStepControl::Fixed(FixedStep::of_seconds(sliding::STEP).expect("in bounds"));
     let adaptive = AnyStepControl::Adaptive(Adaptive::new(sliding::TOLERANCE).expect("in bounds"));

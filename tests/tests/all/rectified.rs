@@ -88,7 +88,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
 }
 
 fn outcome(scene: &Scene, options: &Options) -> Outcome {
-    if scene.model.sliding().is_some() { slide(scene, options).0 } else { run(scene, options).0 }
+    if scene.sliding().is_ok() { slide(scene, options).0 } else { run(scene, options).0 }
 }
 
 /// What is compared: quantity, value.

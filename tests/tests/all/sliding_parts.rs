@@ -66,7 +66,7 @@ fn any<S: Scalar>(
     change: impl FnOnce(&mut SlidingParameters),
 ) -> Parameters<S, AnyChoices<S>> {
     let scene = sliding(|_, model| change(&mut model.parameters));
-    let model = scene.model.sliding().expect("a sliding scene");
+    let model = scene.sliding().expect("a sliding scene");
     sliding_parameters(model, Load::Resistor { resistance_ohm: resistance })
 }
 

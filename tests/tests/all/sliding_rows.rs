@@ -16,7 +16,7 @@ use host_bench::embedded::resonance_peak;
 use host_bench::method::{Method, Options};
 use host_bench::outcome::Particular;
 use host_bench::run::run_scene;
-use host_bench::scene_file::{self, Model, RunSpan, Scene, SlidingStart};
+use host_bench::scene_file::{self, RunSpan, Scene, SlidingStart};
 
 /// Charge density in C/m², resistance in Ω, shift of the peak from the natural frequency in Hz, peak
 /// amplitude in mm, largest RMS voltage in V.
@@ -69,7 +69,7 @@ const ROWS: [Row; 40] = [
 fn scene(density: f64, resistance: f64) -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/sliding.toml");
     let mut scene = scene_file::read(&file, &[]).expect("the shipped scene is valid");
-    let Model::Sliding(model) = &mut scene.model else { panic!("a sliding scene") };
+    let model = scene.sliding_mut().expect("a sliding scene");
     model.parameters.charge_density_c_per_m2 = density;
     scene.load = resistor(resistance);
     scene.excitation = sine(0.36, 18.37);
@@ -77,7 +77,7 @@ fn scene(density: f64, resistance: f64) -> Scene {
 }
 
 fn natural_frequency_hz(scene: &Scene) -> f64 {
-    let Model::Sliding(model) = &scene.model else { panic!("a sliding scene") };
+    let model = scene.sliding().expect("a sliding scene");
     model.parameters.natural_frequency_hz()
 }
 
@@ -160,7 +160,7 @@ fn amplitudes(scene: &Scene, frequency: f64) -> [f64; 2] {
     let outcome = run_scene(&scene, &transient).unwrap_or_else(|failure| panic!("{failure}"));
     let rows = outcome.trace.expect("a trace was asked for").rows;
     let [_, displacement, velocity, charge, ..] = rows[SETTLED as usize][..] else { panic!("short rows") };
-    let Model::Sliding(model) = &mut scene.model else { panic!("a sliding scene") };
+    let model = scene.sliding_mut().expect("a sliding scene");
     model.initial = SlidingStart {
         displacement_m: Some(displacement),
         velocity_m_per_s: Some(velocity),

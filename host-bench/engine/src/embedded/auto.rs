@@ -23,7 +23,7 @@
 use std::f64::consts::TAU;
 
 use harvester_scene::method::Precision;
-use harvester_scene::scene_file::{ContactSeparationParameters, Load, Model, Scene};
+use harvester_scene::scene_file::{ContactSeparationParameters, Load, Scene};
 use model_core::part::VACUUM_PERMITTIVITY;
 
 /// Relative error of the mean power that a run without options aims at.
@@ -47,22 +47,20 @@ const TIGHTEST: f64 = f32::EPSILON as f64;
 
 /// The relative error of the mean power that a run without options aims at, in single or in double precision.
 #[must_use]
-pub fn default_accuracy(model: &Model, precision: Precision) -> f64 {
-    match (model, precision) {
-        (Model::Sliding(_), Precision::F32) => SINGLE_SLIDING_ACCURACY,
-        _ => DEFAULT_ACCURACY,
-    }
+pub fn default_accuracy(scene: &Scene, precision: Precision) -> f64 {
+    let is_single_slider = precision == Precision::F32 && scene.sliding().is_ok();
+    if is_single_slider { SINGLE_SLIDING_ACCURACY } else { DEFAULT_ACCURACY }
 }
 
 /// The tolerance of exponential Radau for a relative error of the mean power of `accuracy`.
 #[must_use]
 pub fn tolerance(scene: &Scene, accuracy: f64) -> f64 {
     let root = accuracy.sqrt();
-    let tolerance = match (&scene.model, scene.load) {
-        (Model::Sliding(_), Load::Resistor { .. }) => SLIDING * (accuracy * root).sqrt(),
-        (Model::ContactSeparation(model), Load::Resistor { resistance_ohm }) => {
+    let tolerance = match (scene.load, scene.contact_separation()) {
+        (Load::Resistor { resistance_ohm }, Ok(model)) => {
             by_time_constant(&model.parameters, resistance_ohm) * root
         }
+        (Load::Resistor { .. }, _) if scene.sliding().is_ok() => SLIDING * (accuracy * root).sqrt(),
         _ => USUAL * root,
     };
     tolerance.clamp(TIGHTEST, LOOSEST)

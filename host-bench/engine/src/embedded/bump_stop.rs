@@ -125,7 +125,7 @@ fn with_load<S: Scalar, L: Circuit<S>>(
     model: &BumpStop,
     load: L,
 ) -> Result<Outcome, Failure> {
-    match modes(model) {
+    match model.modes() {
         [..=4, ..=2] => run_with::<S, L, 4, 2>(setting, model, load),
         [..=10, ..=10] => run_with::<S, L, 10, 10>(setting, model, load),
         _ => run_with::<S, L, 20, 20>(setting, model, load),
@@ -167,7 +167,7 @@ pub(super) fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>
     load: L,
 ) -> Result<Prepared<S, L, B, R>, Failure> {
     let steps = steps(scene, options)?.map(S::from_f64);
-    let [beam_modes, rod_modes] = modes(model);
+    let [beam_modes, rod_modes] = model.modes();
     let harvester = parameters_with(model, load)
         .build_first::<B, R>(beam_modes, rod_modes)
         .map_err(|error| refuse_parameter(scene, &error))?;
@@ -251,7 +251,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
         let number = |value: S| Some(value.to_f64());
         let with_stop = |value: S| self.stop.as_ref().map(|_| value.to_f64());
         let contacts = u64::from(window.report().contacts);
-        let modes = modes(self);
+        let modes = self.modes();
         let [beam_natural_frequencies_hz, rod_natural_frequencies_hz] =
             natural_frequencies_hz(harvester.scene(), modes);
         Particular::BumpStop(BumpStopOutcome {
@@ -271,7 +271,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
     }
 
     fn clamp<'a>(&self, excitation: HostExcitation<'a, S>) -> Option<Clamp<'a, S>> {
-        let [beam, rod] = modes(self);
+        let [beam, rod] = self.modes();
         // The circuit has no part in the bending.
         let open = Load::Resistor { resistance_ohm: f64::INFINITY };
         let bending = parameters::<S>(self, open).clamp_bending::<MOST_MODES, MOST_MODES>(beam, rod).ok()?;
@@ -317,11 +317,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
             outputs.voltage.to_f64()
         )
     }
-}
-
-/// Numbers of modes of beam and rod that the scene keeps.
-pub(super) fn modes(model: &BumpStop) -> [usize; 2] {
-    [model.parameters.beam_modes, model.stop.as_ref().map_or(0, |stop| stop.rod_modes)]
 }
 
 /// The state with half the sum of its squares the energy in J of motion and charge.

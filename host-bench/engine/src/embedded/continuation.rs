@@ -139,7 +139,7 @@ fn triboelectric<T: Triboelectric>(
     with: With<'_>,
 ) -> Result<(), Failure> {
     let Setting { scene, .. } = setting;
-    let is_slider = scene.model.sliding().is_some();
+    let is_slider = scene.sliding().is_ok();
     if matches!(scene.load, Load::Resistor { .. }) {
         let prepared = prepared::<f64, Polynomial, T>(setting, model)?;
         let simulation = prepared.simulation::<_, STATES>(ExponentialRadau);

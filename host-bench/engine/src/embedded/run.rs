@@ -32,11 +32,13 @@ pub(super) fn refuse_start(scene: &Scene, error: &dyn Display) -> Failure {
 
 /// The instants from which a run is measured and at which it ends.
 pub(super) fn ends_of(scene: &Scene, span: &RunSpan) -> Result<[Instant; 2], Failure> {
-    let instant = |seconds: f64| {
-        Instant::from_seconds(seconds)
-            .ok_or_else(|| Failure::of_file(scene, format!("run: {seconds} s, must be below 16777216")))
-    };
-    Ok([instant(span.settle_s)?, instant(span.duration_s)?])
+    Ok([instant(scene, span.settle_s)?, instant(scene, span.duration_s)?])
+}
+
+/// An instant of the run of a scene, in s.
+pub(super) fn instant(scene: &Scene, seconds: f64) -> Result<Instant, Failure> {
+    let refused = || Failure::of_file(scene, format!("run: {seconds} s, must be below 16777216"));
+    Instant::from_seconds(seconds).ok_or_else(refused)
 }
 
 /// The shortest step for which the explicit method is run without an option that asks for it.
@@ -89,7 +91,7 @@ pub(super) fn step_control<S: Scalar>(
             let tolerance = tolerance.unwrap_or_else(|| match method {
                 Method::TrBdf2 => DEFAULT_TOLERANCE,
                 _ => {
-                    let by_default = auto::default_accuracy(&scene.model, options.chosen_precision());
+                    let by_default = auto::default_accuracy(scene, options.chosen_precision());
                     auto::tolerance(scene, options.accuracy.unwrap_or(by_default))
                 }
             });

@@ -7,8 +7,7 @@ use crate::triboelectric::tests::{run, with_resistor};
 use harvester_scene::outcome::{Outcome, SlidingOutcome};
 use harvester_scene::scene_file::modes::Cantilever;
 use harvester_scene::scene_file::{
-    Excitation, ForceLaw, GRAVITY, Load, Model, Scene, Sliding, SlidingParameters, SlidingStart, StickCharge,
-    Tone,
+    Excitation, ForceLaw, GRAVITY, Load, Scene, Sliding, SlidingParameters, SlidingStart, StickCharge, Tone,
 };
 
 mod ledgers;
@@ -61,7 +60,7 @@ fn scene(
     excitation: Excitation,
     span: [f64; 2],
 ) -> Scene {
-    with_resistor(Model::Sliding(Sliding { parameters, initial }), resistance_ohm, excitation, span)
+    with_resistor(Sliding { parameters, initial }.into(), resistance_ohm, excitation, span)
 }
 
 fn particular(outcome: &Outcome) -> &SlidingOutcome {

@@ -1,6 +1,6 @@
 //! The keys of scene files as a page, and for a terminal.
 
-use super::rows::{Row, rows};
+use super::{Row, rows};
 use crate::scene_file::KEYS;
 
 /// A table of the file with its rows.
@@ -12,28 +12,22 @@ struct Part {
 
 /// The tables in their order.
 fn parts(scene: Option<&str>) -> Vec<Part> {
-    let mut parts: Vec<(Option<&'static str>, String, Part)> = Vec::new();
-    let mut notes: Vec<(Option<&'static str>, String, Row)> = Vec::new();
-    for row in rows(scene) {
-        if row.is_table {
-            let path =
-                if row.table.is_empty() { row.key.to_owned() } else { format!("{}.{}", row.table, row.key) };
-            notes.push((row.scene, path, row));
+    let (tables, rows): (Vec<Row>, Vec<Row>) = rows(scene).into_iter().partition(|row| row.is_table);
+    let mut parts: Vec<Part> = Vec::new();
+    for row in rows {
+        let same = |part: &&mut Part| part.rows[0].scene == row.scene && part.rows[0].table == row.table;
+        if let Some(part) = parts.iter_mut().rev().find(same) {
+            part.rows.push(row);
             continue;
         }
-        let same =
-            |(scene, path, _): &&mut (Option<&str>, String, Part)| *scene == row.scene && *path == row.table;
-        match parts.iter_mut().rev().find(same) {
-            Some((_, _, part)) => part.rows.push(row),
-            None => {
-                let note = notes.iter().find(|(scene, path, _)| *scene == row.scene && *path == row.table);
-                let title = title(&row, note.map(|(_, _, note)| note));
-                let meaning = note.map_or("", |(_, _, note)| note.meaning);
-                parts.push((row.scene, row.table.clone(), Part { title, note: meaning, rows: vec![row] }));
-            }
-        }
+        let path = |table: &Row| format!("{}.{}", table.table, table.key);
+        let is_around =
+            |table: &&Row| table.scene == row.scene && path(table).trim_start_matches('.') == row.table;
+        let around = tables.iter().find(is_around);
+        let note = around.map_or("", |table| table.meaning);
+        parts.push(Part { title: title(&row, around), note, rows: vec![row] });
     }
-    parts.into_iter().map(|(_, _, part)| part).collect()
+    parts
 }
 
 /// The heading of a table.

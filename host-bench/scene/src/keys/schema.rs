@@ -2,7 +2,6 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use super::rows::bounds;
 use crate::scene_file::KEYS;
 use crate::scene_file::key::{Default, Key, Kind, Table, Value};
 
@@ -116,7 +115,7 @@ fn value(key: &Key) -> Json {
         Default::Said(text) => format!(" Default: {text}."),
         _ => String::new(),
     };
-    let text = format!("{}{unit}. Value: {}.{said}", key.meaning, bounds(key));
+    let text = format!("{}{unit}. Value: {}.{said}", key.meaning, key.bounds());
     schema["description"] = json!(text.replace('`', ""));
     match key.default {
         Default::Number(number) => schema["default"] = short(number),

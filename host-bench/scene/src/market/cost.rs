@@ -65,7 +65,7 @@ impl Processor {
     }
 
     /// Time of `instructions` of the kind `code` in s.
-    pub fn computing_time(&self, instructions: f64, code: Code) -> f64 {
+    pub(crate) fn computing_time(&self, instructions: f64, code: Code) -> f64 {
         instructions * self.cycles_per_instruction(code).0 / self.clock_hz.0
     }
 
@@ -117,7 +117,7 @@ impl CostModel {
     }
 
     /// The same parts behind a supply that `clock` switches, with the cold start [`ColdStart::typical`].
-    pub fn gated_by(self, clock: Clock) -> Self {
+    pub(crate) fn gated_by(self, clock: Clock) -> Self {
         Self { gate: Some((clock, ColdStart::typical())), ..self }
     }
 
@@ -171,7 +171,7 @@ impl CostModel {
     }
 
     /// Time of such a burst in s, without that of its instructions.
-    pub fn burst_time(&self, samples: u32, rate: f64) -> f64 {
+    pub(crate) fn burst_time(&self, samples: u32, rate: f64) -> f64 {
         f64::from(samples.saturating_add(self.accelerometer.start_up_samples)) / rate
     }
 }

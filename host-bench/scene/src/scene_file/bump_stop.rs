@@ -2,13 +2,15 @@
 
 use model_core::scene::bump_stop::{Restitution, Start, Stop, TipMass};
 
-use super::bounds::{Bound, CoreTable, Short, between};
 use super::document::SceneError;
-use super::key::{Key, Kind, Table, Value, core, joined, number, of_rows, other, whole, words};
+use super::key::{
+    Bound, CoreTable, Key, Kind, Short, Table, Value, between, core, joined, number, of_rows, other, whole,
+    words,
+};
 use super::limits;
 use super::modes::BumpStopModes;
-use super::scene::Model;
 use super::section::{Section, numbers};
+use super::{BEAM_KEYS, Summary};
 
 const ROD: CoreTable = Stop::<f64, ()>::BOUNDS;
 const START: CoreTable = Start::<f64, 0, 0>::BOUNDS;
@@ -29,6 +31,30 @@ pub struct BumpStop {
     pub stop: Option<StopParameters>,
     /// Table `[initial]`.
     pub initial: BumpStopStart,
+}
+
+impl BumpStop {
+    /// Numbers of modes of beam and rod.
+    #[must_use]
+    pub fn modes(&self) -> [usize; 2] {
+        [self.parameters.beam_modes, self.stop.map_or(0, |stop| stop.rod_modes)]
+    }
+
+    pub(super) fn summary(&self) -> Summary {
+        let gap = self.stop.as_ref().map(|stop| stop.gap_m);
+        Summary {
+            name: KIND.word,
+            rest_m: 0.0,
+            length_m: gap.unwrap_or(0.0),
+            range_m: [f64::NEG_INFINITY, gap.unwrap_or(f64::INFINITY)],
+            start: None,
+            start_key: "initial.modal_displacement.0",
+            frequency_keys: BEAM_KEYS,
+            damping_ratio: self.parameters.damping_ratio,
+            charge_density_c_per_m2: None,
+            not_conserved: None,
+        }
+    }
 }
 
 model_core::bump_stop_numbers! { of_rows! {
@@ -225,21 +251,18 @@ static INITIAL: Table = Table::of(&[
 const FREQUENCY: model_core::bounds::Bounds<f64> = between(1e-2, 1e8);
 
 /// Reads the tables of the harvester.
-pub(super) fn model(root: &mut Section<'_>) -> Result<Model, SceneError> {
+pub(super) fn model(root: &mut Section<'_>) -> Result<BumpStop, SceneError> {
     let mut parameters = parameters(root.table("parameters")?)?;
     if let Some(section) = root.optional_table("tip_mass")? {
         parameters.tip_mass = Some(tip_mass(section, &parameters)?);
     }
-    let stop = match root.optional_table("stop")? {
-        Some(section) => Some(stop(section, &parameters)?),
-        None => None,
-    };
+    let stop = root.optional_table("stop")?.map(|section| stop(section, &parameters)).transpose()?;
     let rod_modes = stop.as_ref().map_or(0, |stop| stop.rod_modes);
     let mut initial = BumpStopStart::at_rest(parameters.beam_modes, rod_modes);
     if let Some(section) = root.optional_table("initial")? {
         start(section, &parameters, stop.as_ref(), &mut initial)?;
     }
-    Ok(Model::BumpStop(BumpStop { parameters, stop, initial }))
+    Ok(BumpStop { parameters, stop, initial })
 }
 
 fn parameters(mut section: Section<'_>) -> Result<BumpStopParameters, SceneError> {

@@ -3,13 +3,14 @@
 use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::scene::contact_separation::Start;
 
-use super::bounds::{self, CoreTable, between};
+use super::Summary;
 use super::document::SceneError;
-use super::key::{Key, Kind, Table, Value, core, joined, number, of_rows, other};
+use super::key::{CoreTable, Key, Kind, Table, Value, between, core, joined, number, of_rows, other};
 use super::limits;
-use super::scene::{ForceLaw, Model, StickCharge};
 use super::section::Section;
-use super::triboelectric::{FORCE_LAW, STICK_CHARGE, force_law, stick_charge};
+use super::triboelectric::{
+    FORCE_LAW, ForceLaw, STICK_CHARGE, StickCharge, force_law, natural_frequency, stick_charge,
+};
 
 const START: CoreTable = Start::<f64>::BOUNDS;
 
@@ -42,6 +43,30 @@ impl ContactSeparationParameters {
     #[must_use]
     pub fn natural_frequency_hz(&self) -> f64 {
         (self.stiffness_n_per_m / self.mass_kg).sqrt() / std::f64::consts::TAU
+    }
+}
+
+impl ContactSeparation {
+    pub(super) fn summary(&self) -> Summary {
+        let from = &self.parameters;
+        let ContactSeparationStart { gap_m, velocity_m_per_s, charge_c } = self.initial;
+        let law = match from.force_law {
+            ForceLaw::GapField => None,
+            ForceLaw::TransferredCharge => Some("force_law = \"transferred-charge\""),
+            ForceLaw::None => Some("force_law = \"none\""),
+        };
+        Summary {
+            name: KIND.word,
+            rest_m: from.initial_gap_m,
+            length_m: from.initial_gap_m,
+            range_m: [0.0, f64::INFINITY],
+            start: Some([gap_m, velocity_m_per_s, charge_c]),
+            start_key: "initial.gap_m",
+            frequency_keys: "parameters.mass_kg and parameters.stiffness_n_per_m",
+            damping_ratio: from.damping_ratio,
+            charge_density_c_per_m2: Some(from.charge_density_c_per_m2),
+            not_conserved: law.map(|law| [law, "\"gap-field\""]),
+        }
     }
 }
 
@@ -125,13 +150,10 @@ const INITIAL_KEYS: &[Key] = &[
 ];
 
 /// Reads the tables of the harvester.
-pub(super) fn model(root: &mut Section<'_>) -> Result<Model, SceneError> {
+pub(super) fn model(root: &mut Section<'_>) -> Result<ContactSeparation, SceneError> {
     let parameters = parameters(root.table("parameters")?)?;
-    let initial = match root.optional_table("initial")? {
-        Some(section) => start(section)?,
-        None => ContactSeparationStart::default(),
-    };
-    Ok(Model::ContactSeparation(ContactSeparation { parameters, initial }))
+    let initial = root.optional_table("initial")?.map(start).transpose()?.unwrap_or_default();
+    Ok(ContactSeparation { parameters, initial })
 }
 
 fn parameters(mut section: Section<'_>) -> Result<ContactSeparationParameters, SceneError> {
@@ -142,7 +164,7 @@ fn parameters(mut section: Section<'_>) -> Result<ContactSeparationParameters, S
             stick_charge: stick_charge(&mut section)?,
             restitution: restitution(section.table("restitution")?)?,
         } });
-    bounds::natural_frequency(parameters.natural_frequency_hz(), "mass_kg", parameters.mass_kg)
+    natural_frequency(parameters.natural_frequency_hz(), "mass_kg", parameters.mass_kg)
         .map_err(|reason| section.refuse("stiffness_n_per_m", reason))?;
     section.finish()?;
     Ok(parameters)

@@ -1,4 +1,4 @@
-//! A TOML document as a tree that remembers the line of every value, with overrides put into it.
+//! A TOML document as a tree that remembers the line of every value.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -11,8 +11,6 @@ use toml::de::{DeTable, DeValue};
 
 use super::KEYS;
 use super::key::{Kind, Table, Value};
-use super::overrides::{Override, alternatives};
-use crate::input::{MOST_OF_SCENE, read};
 use crate::name::Name;
 
 /// Table, old name and new name of the keys that version 0.2 renamed.
@@ -106,6 +104,25 @@ pub(super) enum Content {
     Table(Vec<(String, Node)>),
 }
 
+impl Content {
+    /// The number, if it is one.
+    pub(super) fn number(&self) -> Option<f64> {
+        if let Self::Number(value, _) = self { Some(*value) } else { None }
+    }
+
+    /// The text, if it is one.
+    pub(super) fn text(&self) -> Option<&str> {
+        if let Self::Text(text) = self { Some(text) } else { None }
+    }
+
+    /// The numbers of a list of two.
+    pub(super) fn pair(&self) -> Option<[f64; 2]> {
+        let Self::List(items) = self else { return None };
+        let [first, second] = &items[..] else { return None };
+        Some([first.content.number()?, second.content.number()?])
+    }
+}
+
 #[cfg(test)]
 impl Content {
     pub(super) fn as_json(&self) -> serde_json::Value {
@@ -151,26 +168,8 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Reads the file and puts in the overrides.
-    pub(super) fn read(file: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
-        let fault = |line, reason: String| SceneError::of_file(file, line, reason);
-        let bytes =
-            read(file, MOST_OF_SCENE).map_err(|error| fault(None, format!("cannot be read: {error}")))?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let valid = error.utf8_error().valid_up_to();
-            let line = line_of(&String::from_utf8_lossy(&error.as_bytes()[..valid]), valid);
-            fault(Some(line), "is not UTF-8 text".to_owned())
-        })?;
-        let mut document = Self::parse(file, &text)?;
-        document.rename_old_keys();
-        for change in overrides {
-            document.put(change)?;
-        }
-        Ok(document)
-    }
-
     /// Renames the keys of version 0.1 of a file, with a line on standard error when a file is read first.
-    fn rename_old_keys(&mut self) {
+    pub(super) fn rename_old_keys(&mut self) {
         for [table, old, new] in OLD_KEYS {
             let Content::Table(root) = &mut self.content else { return };
             let within = root.iter_mut().find(|(name, _)| name == table).map(|(_, node)| &mut node.content);
@@ -231,85 +230,10 @@ impl Document {
         add_paths(&KEYS, Some(&self.content), "", name, &mut found);
         found
     }
-
-    fn put(&mut self, change: &Override) -> Result<(), SceneError> {
-        let node = Node { content: change.content(), origin: change.origin() };
-        let key = change.key();
-        let refuse = |reason: &str| SceneError::of_value(&self.file, key, &node, reason);
-        let (tables, last): (Vec<&str>, &str) = match key.rsplit_once('.') {
-            Some((tables, last)) => (tables.split('.').collect(), last.trim()),
-            None => (Vec::new(), key),
-        };
-        let kinds = Kinds::of(&self.content, &tables, last, &node.content);
-        let mut content = &mut self.content;
-        for part in tables {
-            content = match inner(content, part.trim(), change.origin()) {
-                Some(node) => &mut node.content,
-                None => return Err(refuse(&format!("{part} leads to no table"))),
-            };
-        }
-        if let Content::Table(entries) = &mut *content {
-            for other in alternatives(last) {
-                entries.retain(|(key, _)| key != other);
-            }
-            if let Some(kinds) = kinds {
-                entries.retain(|(key, node)| matches!(node.origin, Origin::Override(_)) || kinds.keep(key));
-            }
-        }
-        match inner(content, last, change.origin()) {
-            Some(found) => *found = node,
-            None => return Err(refuse("leads to no table")),
-        }
-        Ok(())
-    }
 }
 
-/// The kind that a table has, and the one that an override gives it.
-#[derive(Debug, Clone, Copy)]
-struct Kinds {
-    before: &'static Kind,
-    after: &'static Kind,
-}
-
-impl Kinds {
-    /// The kinds of the table that `tables` leads to, if the value of its key `last` says its kind.
-    fn of(content: &Content, tables: &[&str], last: &str, value: &Content) -> Option<Self> {
-        // The tables of one scene are not those of another.
-        if tables.is_empty() {
-            return None;
-        }
-        let (mut table, mut content) = (&KEYS, content);
-        for part in tables.iter().map(|part| part.trim()) {
-            content = match content {
-                Content::List(items) => &items.get(part.parse::<usize>().ok()?)?.content,
-                _ => {
-                    let key = table.key(part, kind_of(table, content))?;
-                    let (Value::Table(inner) | Value::Tables(inner)) = key.value else { return None };
-                    table = inner;
-                    entry(content, part)?
-                }
-            };
-        }
-        let (before, Content::Text(word)) = (kind_of(table, content)?, value) else { return None };
-        (last == table.selector).then_some(())?;
-        Some(Self { before, after: table.kind(word)? })
-    }
-
-    /// Whether a key of the file means the same in both kinds; what is unknown is kept, to be refused.
-    fn keep(self, name: &str) -> bool {
-        let of = |kind: &'static Kind| kind.keys.iter().find(|key| key.name == name);
-        match (of(self.before), of(self.after)) {
-            (Some(before), Some(after)) => before.unit == after.unit,
-            (before, _) => before.is_none(),
-        }
-    }
-}
-
-fn kind_of(table: &Table, content: &Content) -> Option<&'static Kind> {
-    match entry(content, table.selector)? {
-        Content::Text(word) => table.kind(word),
-        _ => None,
-    }
+pub(super) fn kind_of(table: &Table, content: &Content) -> Option<&'static Kind> {
+    table.kind(entry(content, table.selector)?.text()?)
 }
 
 /// Adds the keys of a table and of those in it whose last part is `name`; `prefix` leads to the table.
@@ -340,7 +264,7 @@ fn add_paths(
     }
 }
 
-fn entry<'a>(content: &'a Content, key: &str) -> Option<&'a Content> {
+pub(super) fn entry<'a>(content: &'a Content, key: &str) -> Option<&'a Content> {
     match content {
         Content::Table(entries) => {
             entries.iter().find(|(name, _)| name == key).map(|(_, node)| &node.content)
@@ -349,25 +273,8 @@ fn entry<'a>(content: &'a Content, key: &str) -> Option<&'a Content> {
     }
 }
 
-/// What a key (or, in a list, a number from 0) leads to; a key that is not there is made, as an empty
-/// table. `None` if there are no keys here.
-fn inner<'a>(content: &'a mut Content, key: &str, origin: Origin) -> Option<&'a mut Node> {
-    match content {
-        Content::Table(entries) => {
-            let index = entries.iter().position(|(name, _)| name == key).unwrap_or_else(|| {
-                let node = Node { content: Content::Table(Vec::new()), origin };
-                entries.push((key.to_owned(), node));
-                entries.len() - 1
-            });
-            entries.get_mut(index).map(|(_, node)| node)
-        }
-        Content::List(items) => items.get_mut(key.parse::<usize>().ok()?),
-        _ => None,
-    }
-}
-
 /// The line, from 1, that holds the byte at `offset`.
-fn line_of(text: &str, offset: usize) -> usize {
+pub(super) fn line_of(text: &str, offset: usize) -> usize {
     text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
 }
 

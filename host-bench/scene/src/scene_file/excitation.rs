@@ -1,9 +1,8 @@
 //! `[excitation]`.
 
 use super::GRAVITY;
-use super::bounds::{Bound, Short, between};
 use super::document::SceneError;
-use super::key::{Key, Kind, Table, Value, number, other, whole, words};
+use super::key::{Bound, Key, Kind, Short, Table, Value, between, number, other, whole, words};
 use super::scene::{Burst, BurstShape, Excitation, Random, Sweep, Tone};
 use super::section::{Reader, Section};
 use super::trace;
@@ -123,12 +122,8 @@ pub(super) fn excitation(mut section: Section<'_>) -> Result<Excitation, SceneEr
     let kinds: [(&Kind, Reader<Excitation>); 8] = [
         (&SINE, |section| tone(section).map(Excitation::Sine)),
         (&SINES, |section| {
-            section
-                .tables("tones")?
-                .into_iter()
-                .map(whole_tone)
-                .collect::<Result<_, _>>()
-                .map(Excitation::Sines)
+            let tones = section.tables("tones")?.into_iter();
+            tones.map(whole_tone).collect::<Result<_, _>>().map(Excitation::Sines)
         }),
         (&trace::FILE, |section| trace::trace(section).map(Excitation::File)),
         (&HALF_SINE, |section| half_sine(section).map(Excitation::Burst)),
@@ -203,13 +198,11 @@ fn repeated(
     let period_s = section.optional_number("period_s")?;
     let burst = Burst { amplitude_m_per_s2, shape, start_s, period_s };
     let length = burst.length_s();
-    match period_s {
-        Some(period) if period < length => {
-            let reason = format!("must not be shorter than the {} s of one", Short(length));
-            Err(section.refuse("period_s", reason))
-        }
-        _ => Ok(burst),
+    if period_s.is_some_and(|period| period < length) {
+        let reason = format!("must not be shorter than the {} s of one", Short(length));
+        return Err(section.refuse("period_s", reason));
     }
+    Ok(burst)
 }
 
 fn sweep(section: &mut Section<'_>) -> Result<Sweep, SceneError> {

@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::bounds::between;
 use super::document::{Content, Node, SceneError};
-use super::key::{Table, Value, other, whole};
+use super::key::{Table, Value, between, other, whole};
 use super::section::Section;
 
 /// `[fit]`.
@@ -56,12 +55,8 @@ fn free(section: &mut Section<'_>) -> Result<Vec<String>, SceneError> {
     match section.content("free") {
         None => Ok(Vec::new()),
         Some(Content::List(items)) => {
-            let text = |item: &Node| match &item.content {
-                Content::Text(text) => Some(text.clone()),
-                _ => None,
-            };
-            let texts: Option<Vec<String>> = items.iter().map(text).collect();
-            texts.ok_or_else(|| section.refuse("free", WANTED))
+            let texts = items.iter().map(|item| item.content.text().map(str::to_owned));
+            texts.collect::<Option<_>>().ok_or_else(|| section.refuse("free", WANTED))
         }
         Some(Content::Table(entries)) => {
             let mut all = Vec::new();
@@ -78,14 +73,10 @@ fn keys(prefix: &str, entries: &[(String, Node)], all: &mut Vec<String>) -> Opti
         match &node.content {
             Content::Boolean(true) => all.push(format!("{prefix}{key}")),
             Content::Table(inner) => keys(&format!("{prefix}{key}."), inner, all)?,
-            Content::List(items) => match items.as_slice() {
-                [
-                    Node { content: Content::Number(low, _), .. },
-                    Node { content: Content::Number(high, _), .. },
-                ] => all.push(format!("{prefix}{key}={low:e}:{high:e}")),
-                _ => return None,
-            },
-            _ => return None,
+            other => {
+                let [low, high] = other.pair()?;
+                all.push(format!("{prefix}{key}={low:e}:{high:e}"));
+            }
         }
     }
     Some(())

@@ -2,9 +2,9 @@
 //!
 //! The readers check by these tables; the pages about the keys, the templates and the schema are made of them.
 
-use model_core::bounds::Bounds;
+use std::fmt;
 
-use super::bounds::CoreTable;
+use model_core::bounds::Bounds;
 
 /// A key of a scene file.
 #[derive(Debug, Clone, Copy)]
@@ -152,6 +152,49 @@ pub(super) const fn other(name: &'static str, value: Value, meaning: &'static st
 }
 
 impl Key {
+    /// What its value may be, in words.
+    pub(crate) fn bounds(&self) -> String {
+        let value = match self.value {
+            Value::Number(range) => span(range),
+            Value::NumberOrLimits(range) => format!("0, `inf`, or {}", span(range)),
+            Value::Whole(range) => format!("a whole number from {} to {}", range.lowest, range.highest),
+            Value::Among(numbers) => {
+                let all: Vec<String> = numbers.iter().map(usize::to_string).collect();
+                all.join(", ")
+            }
+            Value::Numbers(range, each) => format!("a list, one for each {each}, each {}", span(range)),
+            Value::Points(range, most) => {
+                format!("a list of 2 to {most} points `[Hz, density]`, densities {}", span(range))
+            }
+            Value::Words(words) => quoted(words),
+            Value::Part(words) => quoted(&words()),
+            Value::Flag => "`true`, `false`".to_owned(),
+            Value::Text => "a text".to_owned(),
+            Value::Texts => "a list of texts".to_owned(),
+            Value::FreeKeys => {
+                "a list of `\"KEY\"` or `\"KEY=LOW:HIGH\"`, or a table with `true` or `[LOW, HIGH]` for each key"
+                    .to_owned()
+            }
+            Value::Column(range) => {
+                format!("a name, or a whole number from {} to {}", range.lowest, range.highest)
+            }
+            Value::ColumnOrFalse(range) => {
+                format!("a name, a whole number from {} to {}, or `false`", range.lowest, range.highest)
+            }
+            Value::Table(_) => "a table".to_owned(),
+            Value::Tables(_) => "a list of tables".to_owned(),
+        };
+        if self.limit.is_empty() { value } else { format!("{value}; {}", self.limit) }
+    }
+
+    /// The table that follows it.
+    pub(crate) fn table(&self) -> Option<&'static Table> {
+        match self.value {
+            Value::Table(table) | Value::Tables(table) => Some(table),
+            _ => None,
+        }
+    }
+
     pub(super) const fn or(mut self, default: Default) -> Self {
         self.default = default;
         self
@@ -264,8 +307,86 @@ pub fn walk(table: &'static Table, seen: &mut dyn FnMut(&'static Key)) {
     let of_kinds = table.kinds.iter().flat_map(|kind| kind.keys);
     for key in of_kinds.chain(table.keys) {
         seen(key);
-        if let Value::Table(inner) | Value::Tables(inner) = key.value {
-            walk(inner, seen);
-        }
+        key.table().into_iter().for_each(|inner| walk(inner, seen));
     }
+}
+
+/// The core's names of parameters and their bounds in SI units.
+pub(super) type CoreTable = &'static [(&'static str, Bounds<f64>)];
+
+/// From `lowest` to `highest`.
+pub(super) const fn between(lowest: f64, highest: f64) -> Bounds<f64> {
+    Bounds { lowest, highest }
+}
+
+/// The values that a key may have, ends included.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bound {
+    pub(crate) range: Bounds<f64>,
+    /// Whether 0 and infinity are allowed beside the range.
+    or_limits: bool,
+}
+
+impl Bound {
+    /// Nothing is within.
+    pub(super) const NOTHING: Self = Self { range: between(f64::NAN, f64::NAN), or_limits: false };
+
+    /// The bound of each number of a key's value; nothing is within that of a key which is no number.
+    pub(crate) fn of(key: &Key) -> Self {
+        let (range, or_limits) = match key.value {
+            Value::NumberOrLimits(range) => (range, true),
+            Value::Number(range)
+            | Value::Whole(range)
+            | Value::Numbers(range, _)
+            | Value::Points(range, _)
+            | Value::Column(range)
+            | Value::ColumnOrFalse(range) => (range, false),
+            _ => return Self::NOTHING,
+        };
+        Self { range, or_limits }
+    }
+
+    /// Whether the value is allowed; not-a-number never is.
+    pub(super) fn contains(&self, value: f64) -> bool {
+        (self.range.lowest..=self.range.highest).contains(&value)
+            || self.or_limits && (value == 0.0 || value == f64::INFINITY)
+    }
+}
+
+impl From<Bounds<f64>> for Bound {
+    fn from(range: Bounds<f64>) -> Self {
+        Self { range, or_limits: false }
+    }
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let limits = if self.or_limits { "0, inf, or " } else { "" };
+        let Bounds { lowest, highest } = self.range;
+        write!(f, "{limits}a number from {} to {}", Short(lowest), Short(highest))
+    }
+}
+
+/// A number as short as it can be written exactly.
+pub(crate) struct Short(pub(crate) f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (plain, scientific) = (self.0.to_string(), format!("{:e}", self.0));
+        write!(f, "{}", if plain.len() <= scientific.len() { plain } else { scientific })
+    }
+}
+
+fn span(range: Bounds<f64>) -> String {
+    let Bounds { lowest, highest } = range;
+    if highest.is_finite() {
+        format!("{} to {}", Short(lowest), Short(highest))
+    } else {
+        format!("{} to `inf`", Short(lowest))
+    }
+}
+
+pub(crate) fn quoted(words: &[&str]) -> String {
+    let quoted: Vec<String> = words.iter().map(|word| format!("`\"{word}\"`")).collect();
+    quoted.join(", ")
 }

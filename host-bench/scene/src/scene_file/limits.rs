@@ -1,9 +1,8 @@
 //! The limits of the models: the table of their keys, `[limits]`, with what is beyond each. Their sources are in
 //! docs/limits.md.
 
-use super::bounds::between;
 use super::document::SceneError;
-use super::key::{Key, Table, number};
+use super::key::{Key, Table, between, number};
 use super::section::Section;
 
 /// Key in `[limits]`, what happens beyond the limit, and the estimated relative error of the result at a value above a limit;

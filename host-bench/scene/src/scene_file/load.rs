@@ -9,9 +9,8 @@ use model_core::part::load::Resistor;
 use model_core::part::rectifier::FullBridge;
 use model_core::part::storage::{DcBus, StorageCapacitor};
 
-use super::bounds::{CoreTable, Short};
 use super::document::SceneError;
-use super::key::{Default, Key, Kind, Table, Value, core, number, other};
+use super::key::{CoreTable, Default, Key, Kind, Short, Table, Value, core, number, other};
 use super::scene::{Draw, Load, Lockout, RectifiedStore};
 use super::section::{Reader, Section};
 use crate::market::Preset;
@@ -159,10 +158,7 @@ fn rectified_store(section: &mut Section<'_>) -> Result<(Load, Part), SceneError
         diode_drop_v: section.number_or("diode_drop_v", part.map(|part| part.diode_drop_v))?,
         leakage_ohm: section.number_or("leakage_ohm", part.map(|part| part.leakage_ohm()))?,
         initial_v: section.number("initial_v")?,
-        draw: match section.optional_table("draw")? {
-            Some(table) => draw(table, part)?,
-            None => Draw::None,
-        },
+        draw: section.optional_table("draw")?.map_or(Ok(Draw::None), |table| draw(table, part))?,
     };
     Ok((Load::RectifiedStore(store), part))
 }

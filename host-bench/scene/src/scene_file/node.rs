@@ -5,9 +5,8 @@ mod parts;
 use model_core::energy::{IncomeParameters, StorageParameters};
 
 use self::parts::Parts;
-use super::bounds::{CoreTable, between};
 use super::document::SceneError;
-use super::key::{Table, Value, core, number, other, whole};
+use super::key::{CoreTable, Table, Value, between, core, number, other, whole};
 use super::load::{PRESET, preset};
 use super::scene::{Action, Draw, EstimationCost, HOURS, Load, Node, Storage};
 use super::section::Section;
@@ -149,10 +148,7 @@ pub(super) fn node(mut section: Section<'_>, load: Load, part: Option<Preset>) -
         time_constant_s: section.number("time_constant_s")?,
         day_weight: section.number("day_weight")?,
         storage: storage(&mut section, load, part)?,
-        hours: match section.optional_table("day")? {
-            Some(table) => hours(table)?,
-            None => [1.0; HOURS],
-        },
+        hours: section.optional_table("day")?.map_or(Ok([1.0; HOURS]), hours)?,
         actions: actions(&mut section, parts.as_ref())?,
         estimation: estimation(&mut section, parts.as_ref())?,
         figures: parts.as_ref().map_or_else(Vec::new, Parts::figures),
@@ -176,10 +172,7 @@ fn storage(
     load: Load,
     part_of_load: Option<Preset>,
 ) -> Result<Storage, SceneError> {
-    let of_load = match load {
-        Load::RectifiedStore(store) => Some(store),
-        Load::Resistor { .. } | Load::DcBus { .. } => None,
-    };
+    let of_load = if let Load::RectifiedStore(store) = load { Some(store) } else { None };
     let mut table = match (section.optional_table("storage")?, of_load) {
         (Some(table), _) => table,
         (None, Some(_)) => section.empty("storage"),
@@ -242,14 +235,14 @@ fn one_storage(section: &mut Section<'_>, draw: Draw) -> Result<(), SceneError> 
 /// Refuses voltages that are not in their order.
 fn in_order(section: &Section<'_>, storage: &Storage) -> Result<(), SceneError> {
     let Storage { initial_v, highest_v, turn_off_v, turn_on_v, .. } = *storage;
-    if turn_off_v >= turn_on_v {
-        return Err(section.refuse("turn_off_v", format!("must be below turn_on_v = {turn_on_v}")));
-    }
-    if turn_on_v >= highest_v {
-        return Err(section.refuse("turn_on_v", format!("must be below highest_v = {highest_v}")));
-    }
-    if initial_v > highest_v {
-        return Err(section.refuse("initial_v", format!("must be at most highest_v = {highest_v}")));
+    for (is_wrong, key, bound) in [
+        (turn_off_v >= turn_on_v, "turn_off_v", format!("below turn_on_v = {turn_on_v}")),
+        (turn_on_v >= highest_v, "turn_on_v", format!("below highest_v = {highest_v}")),
+        (initial_v > highest_v, "initial_v", format!("at most highest_v = {highest_v}")),
+    ] {
+        if is_wrong {
+            return Err(section.refuse(key, format!("must be {bound}")));
+        }
     }
     if let Some([lowest, highest]) = storage.battery.map(|battery| battery.ends()) {
         for (key, voltage) in [("turn_off_v", turn_off_v), ("initial_v", initial_v), ("highest_v", highest_v)]

@@ -1,10 +1,15 @@
-//! Values from the command line that replace those of a scene file.
+//! Values from the command line that replace those of a scene file, and a scene file with them put in.
+
+use std::path::Path;
 
 use toml::de::DeTable;
 
 use super::KEYS;
-use super::document::{Content, OLD_KEYS, Origin, convert};
-use super::key::walk;
+use super::document::{
+    Content, Document, Node, OLD_KEYS, Origin, SceneError, convert, entry, kind_of, line_of,
+};
+use super::key::{Kind, walk};
+use crate::input::{MOST_OF_SCENE, read};
 
 /// A value to put into the document before it is read: `a.b=c`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -73,6 +78,114 @@ impl std::str::FromStr for Override {
             }
             _ => Err("must be KEY=VALUE, for example run.duration_s=5".to_owned()),
         }
+    }
+}
+
+impl Document {
+    /// Reads the file and puts in the overrides.
+    pub(super) fn read(file: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
+        let fault = |line, reason: String| SceneError::of_file(file, line, reason);
+        let bytes =
+            read(file, MOST_OF_SCENE).map_err(|error| fault(None, format!("cannot be read: {error}")))?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let valid = error.utf8_error().valid_up_to();
+            let line = line_of(&String::from_utf8_lossy(&error.as_bytes()[..valid]), valid);
+            fault(Some(line), "is not UTF-8 text".to_owned())
+        })?;
+        let mut document = Self::parse(file, &text)?;
+        document.rename_old_keys();
+        for change in overrides {
+            document.put(change)?;
+        }
+        Ok(document)
+    }
+
+    fn put(&mut self, change: &Override) -> Result<(), SceneError> {
+        let node = Node { content: change.content(), origin: change.origin() };
+        let key = change.key();
+        let refuse = |reason: &str| SceneError::of_value(&self.file, key, &node, reason);
+        let (tables, last): (Vec<&str>, &str) = match key.rsplit_once('.') {
+            Some((tables, last)) => (tables.split('.').collect(), last.trim()),
+            None => (Vec::new(), key),
+        };
+        let kinds = Kinds::of(&self.content, &tables, last, &node.content);
+        let mut content = &mut self.content;
+        for part in tables {
+            content = match inner(content, part.trim(), change.origin()) {
+                Some(node) => &mut node.content,
+                None => return Err(refuse(&format!("{part} leads to no table"))),
+            };
+        }
+        if let Content::Table(entries) = &mut *content {
+            for other in alternatives(last) {
+                entries.retain(|(key, _)| key != other);
+            }
+            if let Some(kinds) = kinds {
+                entries.retain(|(key, node)| matches!(node.origin, Origin::Override(_)) || kinds.keep(key));
+            }
+        }
+        match inner(content, last, change.origin()) {
+            Some(found) => *found = node,
+            None => return Err(refuse("leads to no table")),
+        }
+        Ok(())
+    }
+}
+
+/// The kind that a table has, and the one that an override gives it.
+#[derive(Debug, Clone, Copy)]
+struct Kinds {
+    before: &'static Kind,
+    after: &'static Kind,
+}
+
+impl Kinds {
+    /// The kinds of the table that `tables` leads to, if the value of its key `last` says its kind.
+    fn of(content: &Content, tables: &[&str], last: &str, value: &Content) -> Option<Self> {
+        // The tables of one scene are not those of another.
+        if tables.is_empty() {
+            return None;
+        }
+        let (mut table, mut content) = (&KEYS, content);
+        for part in tables.iter().map(|part| part.trim()) {
+            content = match content {
+                Content::List(items) => &items.get(part.parse::<usize>().ok()?)?.content,
+                _ => {
+                    let key = table.key(part, kind_of(table, content))?;
+                    table = key.table()?;
+                    entry(content, part)?
+                }
+            };
+        }
+        let (before, Content::Text(word)) = (kind_of(table, content)?, value) else { return None };
+        (last == table.selector).then_some(())?;
+        Some(Self { before, after: table.kind(word)? })
+    }
+
+    /// Whether a key of the file means the same in both kinds; what is unknown is kept, to be refused.
+    fn keep(self, name: &str) -> bool {
+        let of = |kind: &'static Kind| kind.keys.iter().find(|key| key.name == name);
+        match (of(self.before), of(self.after)) {
+            (Some(before), Some(after)) => before.unit == after.unit,
+            (before, _) => before.is_none(),
+        }
+    }
+}
+
+/// What a key (or, in a list, a number from 0) leads to; a key that is not there is made, as an empty
+/// table. `None` if there are no keys here.
+fn inner<'a>(content: &'a mut Content, key: &str, origin: Origin) -> Option<&'a mut Node> {
+    match content {
+        Content::Table(entries) => {
+            let index = entries.iter().position(|(name, _)| name == key).unwrap_or_else(|| {
+                let node = Node { content: Content::Table(Vec::new()), origin };
+                entries.push((key.to_owned(), node));
+                entries.len() - 1
+            });
+            entries.get_mut(index).map(|(_, node)| node)
+        }
+        Content::List(items) => items.get_mut(key.parse::<usize>().ok()?),
+        _ => None,
     }
 }
 

@@ -1,8 +1,7 @@
 //! `[run]`.
 
-use super::bounds::{Short, between};
 use super::document::SceneError;
-use super::key::{Table, number};
+use super::key::{Short, Table, between, number};
 use super::scene::{Excitation, RunSpan};
 use super::section::Section;
 

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 pub use self::excitation::{Burst, BurstShape, Excitation, Random, Sweep, Tone, Trace};
 pub use self::node::{Action, EstimationCost, HOURS, Node, PartFigure, Storage};
+use super::Summary;
 pub use super::bump_stop::{
     BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters, TipMassParameters,
 };
@@ -15,6 +16,8 @@ pub use super::contact_separation::{
 };
 use super::document::SceneError;
 pub use super::sliding::{Sliding, SlidingParameters, SlidingStart};
+pub use super::triboelectric::{ForceLaw, StickCharge};
+pub use crate::market::Lockout;
 
 /// A checked scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,39 +41,52 @@ impl Scene {
     /// The name that the file gives the scene: `contact-separation`, `sliding` or `bump-stop`.
     #[must_use]
     pub fn name(&self) -> &'static str {
-        match self.model {
-            Model::ContactSeparation(_) => "contact-separation",
-            Model::Sliding(_) => "sliding",
-            Model::BumpStop(_) => "bump-stop",
-        }
+        self.model.summary().name
     }
+}
 
-    /// The contact-separation harvester, for what is about that one only.
-    ///
-    /// # Errors
-    /// If the scene is another one.
-    pub fn contact_separation(&self) -> Result<&ContactSeparation, SceneError> {
-        match &self.model {
-            Model::ContactSeparation(model) => Ok(model),
-            Model::Sliding(_) | Model::BumpStop(_) => Err(self.another()),
+/// For each harvester: it, and the same to change it.
+macro_rules! one_harvester {
+    ($($harvester:ident $of:ident $of_mut:ident;)+) => {
+        impl Scene {
+            $(
+                /// The harvester of this kind, for what is about that one only.
+                ///
+                /// # Errors
+                /// If the scene is another one.
+                pub fn $of(&self) -> Result<&$harvester, SceneError> {
+                    if let Model::$harvester(model) = &self.model { Ok(model) } else { Err(self.another(stringify!($of))) }
+                }
+
+                /// The same, to change it.
+                ///
+                /// # Errors
+                /// If the scene is another one.
+                pub fn $of_mut(&mut self) -> Result<&mut $harvester, SceneError> {
+                    // The error holds a copy of the name: it is made before the model is lent out.
+                    let another = self.another(stringify!($of));
+                    if let Model::$harvester(model) = &mut self.model { Ok(model) } else { Err(another) }
+                }
+            )+
         }
-    }
 
-    /// The same, to change it.
-    ///
-    /// # Errors
-    /// If the scene is another one.
-    pub fn contact_separation_mut(&mut self) -> Result<&mut ContactSeparation, SceneError> {
-        // The error holds a copy of the name: it is made before the model is lent out.
-        let another = self.another();
-        match &mut self.model {
-            Model::ContactSeparation(model) => Ok(model),
-            Model::Sliding(_) | Model::BumpStop(_) => Err(another),
-        }
-    }
+        $(impl From<$harvester> for Model {
+            fn from(harvester: $harvester) -> Self {
+                Self::$harvester(harvester)
+            }
+        })+
+    };
+}
 
-    fn another(&self) -> SceneError {
-        let reason = format!("is {:?}, must be \"contact-separation\" here", self.name());
+one_harvester! {
+    ContactSeparation contact_separation contact_separation_mut;
+    Sliding sliding sliding_mut;
+    BumpStop bump_stop bump_stop_mut;
+}
+
+impl Scene {
+    fn another(&self, wanted: &str) -> SceneError {
+        let reason = format!("is {:?}, must be {:?} here", self.name(), wanted.replace('_', "-"));
         SceneError::of_absent(&self.file, "scene", reason)
     }
 }
@@ -86,39 +102,28 @@ pub enum Model {
     BumpStop(BumpStop),
 }
 
-/// Electrostatic force law.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ForceLaw {
-    /// The transferred charge as that of a capacitor, equations (16) and (28) of Fu, Ouyang and Davis:
-    /// on the overlap in sliding, on the total capacitance in contact-separation. Gives the paper's
-    /// trends; not passive in contact-separation.
-    TransferredCharge,
-    /// The field in the gap between the surfaces: the law that conserves energy.
-    GapField,
-    /// No force on the motion: what the load takes is created.
-    None,
-}
-
-/// What the charge does while the mass is held on the dielectric, or the slider sticks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StickCharge {
-    /// It stays as it was: the load is open.
-    Frozen,
-    /// It goes on flowing through the load.
-    Relaxing,
-}
-
 impl Model {
-    /// The sliding harvester, for what is about that one only.
+    /// What is said of it where its kind does not matter.
     #[must_use]
-    pub fn sliding(&self) -> Option<&Sliding> {
-        if let Self::Sliding(model) = self { Some(model) } else { None }
+    pub fn summary(&self) -> Summary {
+        match self {
+            Self::ContactSeparation(model) => model.summary(),
+            Self::Sliding(model) => model.summary(),
+            Self::BumpStop(model) => model.summary(),
+        }
     }
 
-    /// The bump-stop harvester, for what is about that one only.
-    #[must_use]
-    pub fn bump_stop(&self) -> Option<&BumpStop> {
-        if let Self::BumpStop(model) = self { Some(model) } else { None }
+    /// Coordinate in m, velocity in m/s and charge in C at the start, to change them; `None` for bump-stop, which starts with modes.
+    pub fn start_mut(&mut self) -> Option<[&mut Option<f64>; 3]> {
+        match self {
+            Self::ContactSeparation(ContactSeparation { initial, .. }) => {
+                Some([&mut initial.gap_m, &mut initial.velocity_m_per_s, &mut initial.charge_c])
+            }
+            Self::Sliding(Sliding { initial, .. }) => {
+                Some([&mut initial.displacement_m, &mut initial.velocity_m_per_s, &mut initial.charge_c])
+            }
+            Self::BumpStop(_) => None,
+        }
     }
 }
 
@@ -216,15 +221,6 @@ impl Draw {
             Self::Current { lockout, .. } | Self::Power { lockout, .. } => Some(lockout),
         }
     }
-}
-
-/// Under-voltage lock-out with hysteresis. A store that starts between the two starts disconnected.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lockout {
-    /// The draw is connected where the store rises to this voltage, in V.
-    pub turn_on_v: f64,
-    /// It is disconnected where the store falls to this voltage, in V.
-    pub turn_off_v: f64,
 }
 
 /// How long to simulate, and from when to measure.

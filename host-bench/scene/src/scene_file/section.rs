@@ -2,9 +2,8 @@
 
 use strsim::damerau_levenshtein;
 
-use super::bounds::{Bound, Short};
 use super::document::{Content, Document, Node, Origin, SceneError};
-use super::key::{Default, Key, Kind, Table, Value};
+use super::key::{Bound, Default, Key, Kind, Short, Table, Value};
 
 /// Most letters by which a misspelt key differs.
 const MOST_EDITS: usize = 2;
@@ -123,7 +122,7 @@ impl<'a> Section<'a> {
     /// The bound of a key.
     pub(super) fn bound(&self, key: &str) -> Bound {
         // A key without a row must not pass unchecked.
-        self.row(key).map_or_else(Bound::default, Bound::of)
+        self.row(key).map_or(Bound::NOTHING, Bound::of)
     }
 
     /// The number that a key has by its row where it is not given.
@@ -137,11 +136,9 @@ impl<'a> Section<'a> {
     /// A number, if the key is there.
     pub(super) fn optional_number(&mut self, key: &'static str) -> Result<Option<f64>, SceneError> {
         let bound = self.bound(key);
-        match self.peek(key).map(|node| &node.content) {
-            None => Ok(None),
-            Some(Content::Number(value, _)) if bound.contains(*value) => Ok(Some(*value)),
-            Some(_) => Err(self.refuse(key, format!("must be {bound}"))),
-        }
+        let Some(content) = self.content(key) else { return Ok(None) };
+        let value = content.number().filter(|value| bound.contains(*value));
+        value.map(Some).ok_or_else(|| self.refuse(key, format!("must be {bound}")))
     }
 
     /// A number that must be there unless its row has a default.
@@ -158,7 +155,7 @@ impl<'a> Section<'a> {
     /// A whole number that must be there unless its row has a default.
     pub(super) fn whole_number(&mut self, key: &'static str) -> Result<usize, SceneError> {
         let (bound, among) = match self.row(key).map(|row| row.value) {
-            Some(Value::Among(numbers)) => (Bound::default(), numbers),
+            Some(Value::Among(numbers)) => (Bound::NOTHING, numbers),
             _ => (self.bound(key), &[][..]),
         };
         let wanted = match among.split_last() {
@@ -168,7 +165,7 @@ impl<'a> Section<'a> {
             }
             None => format!("a whole number from {} to {}", bound.range.lowest, bound.range.highest),
         };
-        match self.peek(key).map(|node| &node.content) {
+        match self.content(key) {
             None => self.default(key).map(|value| value as usize).ok_or_else(|| self.missing(key, &wanted)),
             Some(Content::Number(value, _))
                 if value.fract() == 0.0
@@ -193,15 +190,8 @@ impl<'a> Section<'a> {
         };
         let (lowest, highest) = (Short(bound.range.lowest), Short(bound.range.highest));
         let wanted = format!("{count} numbers, each from {lowest} to {highest}");
-        let items = match self.peek(key).map(|node| &node.content) {
-            None => return Ok(None),
-            Some(Content::List(items)) => items,
-            Some(_) => return Err(self.refuse(key, format!("must be a list of {wanted}"))),
-        };
-        let value = |item: &Node| match &item.content {
-            Content::Number(value, _) if bound.contains(*value) => Some(*value),
-            _ => None,
-        };
+        let Some(items) = self.list(key, &format!("a list of {wanted}"))? else { return Ok(None) };
+        let value = |item: &Node| item.content.number().filter(|value| bound.contains(*value));
         let values: Vec<f64> = items.iter().map_while(value).collect();
         let found = values.len();
         match items.get(found) {
@@ -221,22 +211,11 @@ impl<'a> Section<'a> {
             _ => 0,
         };
         let wanted = format!("a list of 2 to {most} points, each a list of two numbers");
-        let items = match self.peek(key).map(|node| &node.content) {
-            None => return Err(self.missing(key, &wanted)),
-            Some(Content::List(items)) if (2..=most).contains(&items.len()) => items,
-            Some(_) => return Err(self.refuse(key, format!("must be {wanted}"))),
-        };
-        let point = |item: &Node| match &item.content {
-            Content::List(pair) => match pair.as_slice() {
-                [
-                    Node { content: Content::Number(x, _), .. },
-                    Node { content: Content::Number(y, _), .. },
-                ] => Some([*x, *y]),
-                _ => None,
-            },
-            _ => None,
-        };
-        let points: Vec<[f64; 2]> = items.iter().map_while(point).collect();
+        let items = self.list(key, &wanted)?.ok_or_else(|| self.missing(key, &wanted))?;
+        if !(2..=most).contains(&items.len()) {
+            return Err(self.refuse(key, format!("must be {wanted}")));
+        }
+        let points: Vec<[f64; 2]> = items.iter().map_while(|item| item.content.pair()).collect();
         match items.get(points.len()) {
             None => Ok(points),
             Some(bad) => {
@@ -248,36 +227,34 @@ impl<'a> Section<'a> {
 
     /// A text, if the value is one.
     pub(super) fn text(&mut self, key: &'static str) -> Option<&'a str> {
-        match self.peek(key).map(|node| &node.content) {
-            Some(Content::Text(text)) => Some(text),
-            _ => None,
+        self.content(key)?.text()
+    }
+
+    /// The items of a list, if the key is there.
+    fn list(&self, key: &'static str, wanted: &str) -> Result<Option<&'a [Node]>, SceneError> {
+        match self.content(key) {
+            None => Ok(None),
+            Some(Content::List(items)) => Ok(Some(items)),
+            Some(_) => Err(self.refuse(key, format!("must be {wanted}"))),
         }
     }
 
     /// A list of texts, if the key is there.
     pub(super) fn texts(&mut self, key: &'static str) -> Result<Option<Vec<&'a str>>, SceneError> {
-        const WANTED: &str = "must be a list of texts";
-        let items = match self.content(key) {
-            None => return Ok(None),
-            Some(Content::List(items)) => items,
-            Some(_) => return Err(self.refuse(key, WANTED)),
-        };
-        let text = |item: &'a Node| match &item.content {
-            Content::Text(text) => Some(text.as_str()),
-            _ => None,
-        };
-        let texts: Option<Vec<&str>> = items.iter().map(text).collect();
-        texts.map(Some).ok_or_else(|| self.refuse(key, WANTED))
+        const WANTED: &str = "a list of texts";
+        let Some(items) = self.list(key, WANTED)? else { return Ok(None) };
+        let texts: Option<Vec<&str>> = items.iter().map(|item| item.content.text()).collect();
+        texts.map(Some).ok_or_else(|| self.refuse(key, format!("must be {WANTED}")))
     }
 
     /// The value of a key, whatever it is.
-    pub(super) fn content(&mut self, key: &'static str) -> Option<&'a Content> {
+    pub(super) fn content(&self, key: &str) -> Option<&'a Content> {
         self.peek(key).map(|node| &node.content)
     }
 
     /// `true` or `false`, which must be there unless its row has a default.
     pub(super) fn flag(&mut self, key: &'static str) -> Result<bool, SceneError> {
-        match (self.peek(key).map(|node| &node.content), self.row(key).map(|row| row.default)) {
+        match (self.content(key), self.row(key).map(|row| row.default)) {
             (None, Some(Default::Flag(default))) => Ok(default),
             (None, _) => Err(self.missing(key, "true or false")),
             (Some(Content::Boolean(value)), _) => Ok(*value),
@@ -329,7 +306,7 @@ impl<'a> Section<'a> {
 
     /// A table, if the key is there.
     pub(super) fn optional_table(&mut self, key: &'static str) -> Result<Option<Section<'a>>, SceneError> {
-        match self.peek(key).map(|node| &node.content) {
+        match self.content(key) {
             None => Ok(None),
             Some(Content::Table(entries)) => Ok(Some(self.inner(key, &self.name(key), entries))),
             Some(_) => Err(self.refuse(key, "must be a table")),
@@ -349,11 +326,10 @@ impl<'a> Section<'a> {
     /// A list of tables, not empty.
     pub(super) fn tables(&mut self, key: &'static str) -> Result<Vec<Section<'a>>, SceneError> {
         const WANTED: &str = "a list of tables, at least one";
-        let items = match self.peek(key).map(|node| &node.content) {
-            None => return Err(self.missing(key, WANTED)),
-            Some(Content::List(items)) if !items.is_empty() => items,
-            Some(_) => return Err(self.refuse(key, format!("must be {WANTED}"))),
-        };
+        let items = self.list(key, WANTED)?.ok_or_else(|| self.missing(key, WANTED))?;
+        if items.is_empty() {
+            return Err(self.refuse(key, format!("must be {WANTED}")));
+        }
         let inner = items.iter().enumerate().map(|(index, item)| match &item.content {
             Content::Table(entries) => Ok(self.inner(key, &format!("{}[{index}]", self.name(key)), entries)),
             _ => Err(self.refuse(key, format!("must be {WANTED}"))),
@@ -363,10 +339,7 @@ impl<'a> Section<'a> {
 
     fn inner(&self, key: &str, name: &str, entries: &'a [(String, Node)]) -> Section<'a> {
         static NO_KEYS: Table = Table::of(&[]);
-        let table = match self.row(key).map(|row| row.value) {
-            Some(Value::Table(table) | Value::Tables(table)) => table,
-            _ => &NO_KEYS,
-        };
+        let table = self.row(key).and_then(Key::table).unwrap_or(&NO_KEYS);
         Section { document: self.document, prefix: format!("{name}."), entries, table, kind: None }
     }
 

@@ -3,13 +3,14 @@
 use model_core::part::friction::PatchFriction;
 use model_core::scene::sliding::Start;
 
-use super::bounds::{self, CoreTable, Short, between};
 use super::document::SceneError;
-use super::key::{Key, Kind, Table, Value, core, joined, number, of_rows, other};
+use super::key::{CoreTable, Key, Kind, Short, Table, Value, between, core, joined, number, of_rows, other};
 use super::limits;
-use super::scene::{ForceLaw, Model, StickCharge};
 use super::section::Section;
-use super::triboelectric::{FORCE_LAW, STICK_CHARGE, force_law, stick_charge};
+use super::triboelectric::{
+    FORCE_LAW, ForceLaw, STICK_CHARGE, StickCharge, force_law, natural_frequency, stick_charge,
+};
+use super::{BEAM_KEYS, Summary};
 
 const FRICTION: CoreTable = PatchFriction::<f64>::BOUNDS;
 const START: CoreTable = Start::<f64>::BOUNDS;
@@ -44,6 +45,28 @@ model_core::sliding_numbers! { of_rows! {
         pub lateral_force: bool,
     }
 } }
+
+impl Sliding {
+    pub(super) fn summary(&self) -> Summary {
+        let from = &self.parameters;
+        let SlidingStart { displacement_m, velocity_m_per_s, charge_c } = self.initial;
+        let radius = from.patch_radius_m;
+        // The normal force has no work: it acts on the friction, which only takes energy.
+        let not_conserved = (!from.lateral_force).then_some(["lateral_force = false", "true"]);
+        Summary {
+            name: KIND.word,
+            rest_m: 0.0,
+            length_m: radius,
+            range_m: [-1.95 * radius, 1.95 * radius],
+            start: Some([displacement_m, velocity_m_per_s, charge_c]),
+            start_key: "initial.displacement_m",
+            frequency_keys: BEAM_KEYS,
+            damping_ratio: from.damping_ratio,
+            charge_density_c_per_m2: Some(from.charge_density_c_per_m2),
+            not_conserved,
+        }
+    }
+}
 
 /// `[initial]` of a sliding scene; what is `None` takes its default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -120,13 +143,14 @@ static INITIAL: Table = Table::of(&[
 ]);
 
 /// Reads the tables of the harvester.
-pub(super) fn model(root: &mut Section<'_>) -> Result<Model, SceneError> {
+pub(super) fn model(root: &mut Section<'_>) -> Result<Sliding, SceneError> {
     let parameters = parameters(root.table("parameters")?)?;
-    let initial = match root.optional_table("initial")? {
-        Some(section) => start(section, &parameters)?,
-        None => SlidingStart::default(),
-    };
-    Ok(Model::Sliding(Sliding { parameters, initial }))
+    let initial = root
+        .optional_table("initial")?
+        .map(|section| start(section, &parameters))
+        .transpose()?
+        .unwrap_or_default();
+    Ok(Sliding { parameters, initial })
 }
 
 fn parameters(mut section: Section<'_>) -> Result<SlidingParameters, SceneError> {
@@ -149,7 +173,7 @@ fn parameters(mut section: Section<'_>) -> Result<SlidingParameters, SceneError>
             return Err(section.refuse(key, format!("must not be above {other} = {}", Short(at_rest))));
         }
     }
-    bounds::natural_frequency(p.natural_frequency_hz(), "young_modulus_pa", p.young_modulus_pa)
+    natural_frequency(p.natural_frequency_hz(), "young_modulus_pa", p.young_modulus_pa)
         .map_err(|reason| section.refuse("beam_length_m", reason))?;
     section.finish()?;
     Ok(p)

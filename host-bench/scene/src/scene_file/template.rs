@@ -5,7 +5,6 @@ use std::path::Path;
 use super::KEYS;
 use super::document::{Content, Document, Node};
 use super::key::{Default, Key, Kind, Table, Value};
-use crate::keys::bounds;
 
 /// Name and text of the scenes that templates take their values from.
 const SCENES: [(&str, &str); 8] = [
@@ -56,18 +55,15 @@ impl Lines {
             _ => &[],
         };
         let given = |name: &str| entries.iter().find(|(key, _)| key == name).map(|(_, node)| &node.content);
-        let kind = match given(table.selector) {
-            Some(Content::Text(word)) => table.kind(word),
-            _ => None,
-        };
+        let kind = given(table.selector).and_then(Content::text).and_then(|word| table.kind(word));
         if !table.kinds.is_empty() {
             self.selector(table, kind, absent);
         }
         let keys = || kind.map_or(&[][..], |kind: &Kind| kind.keys).iter().chain(table.keys);
-        for key in keys().filter(|key| !is_table(key)) {
+        for key in keys().filter(|key| key.table().is_none()) {
             self.value(key, given(key.name), absent);
         }
-        for key in keys().filter(|key| is_table(key)) {
+        for key in keys().filter(|key| key.table().is_some()) {
             let path = if path.is_empty() { key.name.to_owned() } else { format!("{path}.{}", key.name) };
             self.inner(key, given(key.name), &path, absent);
         }
@@ -103,7 +99,7 @@ impl Lines {
             (_, Default::Flag(flag)) => format!("; default: {flag}"),
             _ => String::new(),
         };
-        let comment = format!("{unit}{}: {}{default}", bounds(key), key.meaning);
+        let comment = format!("{unit}{}: {}{default}", key.bounds(), key.meaning);
         self.line(key.name, &value, &comment, absent || given.is_none());
     }
 
@@ -115,7 +111,7 @@ impl Lines {
 
     /// The tables of a key.
     fn inner(&mut self, key: &Key, given: Option<&Content>, path: &str, absent: bool) {
-        let (Value::Table(table) | Value::Tables(table)) = key.value else { return };
+        let Some(table) = key.table() else { return };
         let items: Vec<Option<&Content>> = match given {
             Some(Content::List(items)) => items.iter().map(|item| Some(&item.content)).collect(),
             other => vec![other],
@@ -133,10 +129,6 @@ impl Lines {
             self.table(table, content, path, absent);
         }
     }
-}
-
-fn is_table(key: &Key) -> bool {
-    matches!(key.value, Value::Table(_) | Value::Tables(_))
 }
 
 /// A value as TOML.

@@ -7,9 +7,8 @@ mod wave;
 
 use std::path::PathBuf;
 
-use super::bounds::between;
 use super::document::SceneError;
-use super::key::{Default, Kind, Value, number, other};
+use super::key::{Default, Kind, Value, between, number, other};
 use super::scene::Trace;
 use super::section::Section;
 

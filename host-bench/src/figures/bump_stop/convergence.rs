@@ -8,7 +8,7 @@ use crate::outcome::{csv, number};
 use crate::report::chart::{Axis, Chart, Curve, Mark};
 use crate::report::svg::{BLACK, BLUE, ORANGE, VERMILION, range, tick};
 use crate::run::run_scene;
-use crate::scene_file::{BumpStopStart, Contact, Model, RunSpan, Scene};
+use crate::scene_file::{BumpStopStart, Contact, RunSpan, Scene};
 
 /// Numbers of modes of the beam and of the rod.
 const BEAM: [usize; 9] = [1, 2, 3, 4, 6, 8, 10, 14, 20];
@@ -53,16 +53,15 @@ pub(crate) fn found(
     run: RunSpan,
     options: &Options,
 ) -> Result<ConvergenceRun, Failure> {
-    let Model::BumpStop(mut model) = base.model.clone() else {
-        return Err(Failure::of_file(base, "scene must be \"bump-stop\" here"));
-    };
+    let mut scene = Scene { run, ..base.clone() };
+    let model = scene.bump_stop_mut()?;
     model.parameters.beam_modes = beam;
     if let Some(stop) = &mut model.stop {
         stop.rod_modes = rod;
         stop.contact = contact;
     }
     model.initial = BumpStopStart::at_rest(beam, rod);
-    let outcome = run_scene(&Scene { model: Model::BumpStop(model), run, ..base.clone() }, options)?;
+    let outcome = run_scene(&scene, options)?;
     let motion = outcome.bump_stop().ok_or_else(|| Failure::Input("another scene was run".to_owned()))?;
     let value = |value: Option<f64>| value.unwrap_or(f64::NAN);
     Ok(ConvergenceRun {

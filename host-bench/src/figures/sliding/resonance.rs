@@ -2,7 +2,7 @@
 
 use crate::embedded::resonance_peak;
 use crate::method::{Failure, Options};
-use crate::scene_file::{Load, Model, Scene, Sliding};
+use crate::scene_file::{Load, Scene};
 use crate::steady_state::Resonance;
 
 use super::TOLERANCE;
@@ -32,12 +32,6 @@ pub(crate) struct Peak {
     pub rms_voltage_v: f64,
 }
 
-/// The sliding harvester of a scene.
-pub(crate) fn sliding(base: &Scene) -> Result<&Sliding, Failure> {
-    let refused = || format!("scene = {:?}: must be \"sliding\" here", base.name());
-    base.model.sliding().ok_or_else(|| Failure::of_file(base, refused()))
-}
-
 impl Case {
     /// The steady states over `points` frequencies between two in Hz, and the peaks.
     pub(crate) fn resonance(
@@ -46,10 +40,9 @@ impl Case {
         range: [f64; 2],
         points: usize,
     ) -> Result<Resonance, Failure> {
-        let mut model = sliding(base)?.clone();
-        model.parameters.charge_density_c_per_m2 = self.charge_density * 1e-6;
         let load = Load::Resistor { resistance_ohm: self.resistance };
-        let scene = Scene { model: Model::Sliding(model), load, ..base.clone() };
+        let mut scene = Scene { load, ..base.clone() };
+        scene.sliding_mut()?.parameters.charge_density_c_per_m2 = self.charge_density * 1e-6;
         let options = Options { tolerance: Some(TOLERANCE), ..Options::default() };
         let at = format!("{} uC/m^2, {} ohm", self.charge_density, self.resistance);
         let (found, _) =

@@ -1,22 +1,16 @@
 //! Runs of a bump-stop scene for an observer of the host, in double precision.
 
-use model_core::clock::Instant;
 use model_core::observer::{AcceptedStep, Event, Observer};
 use model_core::part::beam::{BeamMode, Shape};
 use model_core::scalar::Polynomial;
 use model_core::scene::Harvester;
-use model_core::scene::bump_stop::{AnyChoices, Circuit, Stepper};
+use model_core::scene::bump_stop::{Circuit, Stepper};
 
 use super::super::excitation::with_setting;
-use super::{Report, bridge, parameters, prepared, refuse_start, refuse_step, resistance};
+use super::super::run::instant;
+use super::{METHOD, Run, bridge, parameters, prepared, refuse_start, refuse_step, resistance};
 use harvester_scene::method::{Failure, Options};
 use harvester_scene::scene_file::{BumpStop, Scene};
-
-/// The harvester of a bump-stop scene.
-pub(super) fn model_of(scene: &Scene) -> Result<&BumpStop, Failure> {
-    let refused = || format!("scene = {:?}: must be \"bump-stop\" here", scene.name());
-    scene.model.bump_stop().ok_or_else(|| Failure::of_file(scene, refused()))
-}
 
 /// Runs the scene from its start until `until` in s, or until the observer has `enough`.
 pub(super) fn observed<O: Observer<f64>>(
@@ -26,7 +20,7 @@ pub(super) fn observed<O: Observer<f64>>(
     observer: &mut O,
     enough: impl Fn(&O) -> bool,
 ) -> Result<(), Failure> {
-    let model = model_of(scene)?;
+    let model = scene.bump_stop()?;
     match bridge(scene.load) {
         Some(bridge) => with_load((scene, model, options), bridge, until, observer, enough),
         None => with_load((scene, model, options), resistance(scene.load), until, observer, enough),
@@ -43,19 +37,14 @@ fn with_load<L: Circuit<f64>, O: Observer<f64>>(
     let (scene, model, options) = what;
     let (harvester, start, [short, long]) = prepared::<f64, L, 20, 20>(what, load)?;
     let stepper = Stepper::new(harvester, short, long).map_err(refuse_step)?;
-    let end = Instant::from_seconds(until)
-        .ok_or_else(|| Failure::of_file(scene, format!("run: {until} s, must be below 16777216")))?;
+    let end = instant(scene, until)?;
     with_setting::<f64, Polynomial, _>(scene, options, |setting| {
         let excitation = setting.excitation;
+        let run = Run { setting, harvester: &stepper, report: model, method: METHOD };
         let mut state = stepper.start(&start, &excitation).map_err(|error| refuse_start(scene, &error))?;
         while state.clock < end && !enough(observer) {
-            stepper.advance(&mut state, &excitation, end, 1 << 12, observer).map_err(|error| {
-                let described = Report::<f64, Stepper<f64, AnyChoices<f64, L>, 20, 20>>::describe(
-                    model,
-                    &stepper.outputs(&state),
-                );
-                Failure::Step(format!("{error}: {described}"))
-            })?;
+            let advanced = stepper.advance(&mut state, &excitation, end, 1 << 12, observer);
+            advanced.map_err(|error| run.step_failure(error, &state))?;
         }
         Ok(())
     })
@@ -93,7 +82,7 @@ pub fn deflected_shapes(
     instants: &[f64],
     stations: usize,
 ) -> Result<Vec<DeflectedShape>, Failure> {
-    let model = model_of(scene)?;
+    let model = scene.bump_stop()?;
     let core = parameters::<f64>(model, scene.load);
     let modes: Vec<BeamMode<f64>> =
         (1..).take(model.parameters.beam_modes).map(|number| core.beam_mode(number)).collect();

@@ -4,7 +4,7 @@ use model_core::scene::Harvester as _;
 use model_core::scene::bump_stop::{Circuit, Stepper};
 use model_core::snapshot::Fingerprint;
 
-use super::super::bump_stop::{modes, parameters, prepared, refuse_step, resistance};
+use super::super::bump_stop::{parameters, prepared, refuse_step, resistance};
 use super::super::excitation::{Setting, bridge};
 use super::super::run::{refuse_parameter, refuse_start};
 use super::{AmplitudeContinuation, NoShooting, Sweep};
@@ -34,7 +34,7 @@ fn with_load<L: Circuit<f64>>(
     with: With<'_>,
     load: L,
 ) -> Result<(), Failure> {
-    match modes(model) {
+    match model.modes() {
         [..=4, ..=2] => with_modes::<L, 4, 2>(setting, model, frequency_hz, with, load),
         [..=10, ..=10] => with_modes::<L, 10, 10>(setting, model, frequency_hz, with, load),
         _ => with_modes::<L, 20, 20>(setting, model, frequency_hz, with, load),
@@ -62,7 +62,7 @@ pub(super) fn identify(
     model: &BumpStop,
     fingerprint: &mut Fingerprint,
 ) -> Result<(), Failure> {
-    let [beam, rod] = modes(model);
+    let [beam, rod] = model.modes();
     let core = parameters::<f32>(model, scene.load)
         .build_first::<20, 20>(beam, rod)
         .map_err(|error| refuse_parameter(scene, &error))?;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use model_core::scene::Harvester as _;
 use model_core::scene::bump_stop::{AnyChoices, BumpStop as Harvester, Circuit, Parts, StateOf, Stepper};
 
-use super::super::bump_stop::{METHOD, Prepared, modes, prepared, refuse_step, resistance};
+use super::super::bump_stop::{METHOD, Prepared, prepared, refuse_step, resistance};
 use super::super::excitation::{Setting, bridge};
 use super::super::run::{Run, refuse_start};
 use super::{Kind, Memory, follow, remembered, steady};
@@ -63,7 +63,7 @@ fn with_circuit<'a, L: Circuit<f64, State: Send + Sync> + 'static>(
     model: &'a BumpStop,
     circuit: fn(Load) -> Option<L>,
 ) -> Box<dyn Kind + 'a> {
-    match modes(model) {
+    match model.modes() {
         [..=4, ..=2] => Box::new(Beam::<L, 4, 2> { model, circuit, known: None }),
         [..=10, ..=10] => Box::new(Beam::<L, 10, 10> { model, circuit, known: None }),
         _ => Box::new(Beam::<L, 20, 20> { model, circuit, known: None }),

@@ -1,8 +1,7 @@
 //! `[node.parts]`, and what the parts take: asleep, for a burst, for a reading of the storage, for an action.
 
-use super::super::bounds::between;
 use super::super::document::SceneError;
-use super::super::key::{Table, Value, number, other, whole};
+use super::super::key::{Table, Value, between, number, other, whole};
 use super::super::scene::{Action, EstimationCost, PartFigure};
 use super::super::section::Section;
 use crate::market::{Accelerometer, Clock, Code, Cost, CostModel, Figure, Processor, Radio};

@@ -1,7 +1,7 @@
 //! The times of the samples: which column has them, and the rate that follows.
 
 use super::TraceFault;
-use crate::scene_file::bounds::{Bound, Short};
+use crate::scene_file::key::{Bound, Short};
 
 /// Part of the interval of two samples by which a time may be off: the rounding of a printed time, and no more.
 const UNEVEN: f64 = 0.25;

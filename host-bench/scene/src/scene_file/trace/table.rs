@@ -11,7 +11,7 @@ use super::clock::Times;
 use super::number::{Delimiter, Numbers};
 use super::{Asked, TraceFault, enough, scaled};
 use crate::input::{self, MOST_OF_DATA};
-use crate::scene_file::bounds::Bound;
+use crate::scene_file::key::Bound;
 
 /// The samples in m/s² and their rate in Hz, within `bound`: that of the times where the file has them.
 pub(super) fn samples(path: &Path, asked: &Asked, bound: Bound) -> Result<(Vec<f64>, f64), TraceFault> {

@@ -6,7 +6,7 @@ use hound::{SampleFormat, WavReader};
 
 use super::{Column, TraceFault, enough, scaled};
 use crate::input::{MOST_OF_DATA, read};
-use crate::scene_file::bounds::Bound;
+use crate::scene_file::key::Bound;
 
 /// The samples of one channel, the only one if none is named, in m/s² and their rate in Hz, within `bound`, which must be `stated` if that is given.
 /// Integers are taken as parts of full scale, `2^(bits − 1)`.

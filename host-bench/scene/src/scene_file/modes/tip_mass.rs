@@ -10,9 +10,8 @@
 
 use std::convert::Infallible;
 
-use super::super::cantilever::series;
-use super::super::means;
-use super::{BeamMode, Section, eigenvalue as eigenvalue_of_a_free_end};
+use super::cantilever::series;
+use super::{BeamMode, Section, eigenvalue as eigenvalue_of_a_free_end, means};
 use crate::root::far_side;
 use crate::scene_file::TipMassParameters;
 
