@@ -11,7 +11,6 @@ mod phases;
 mod resistance;
 mod runs;
 mod shapes;
-mod shunt;
 mod statistics;
 
 use self::check::check;
@@ -149,7 +148,7 @@ static EXPERIMENTS: [Experiment; 13] = [
         numbers: &["1", "2", "3", "4", "5", "5a", "6", "7", "8", "9", "10", "11", "12", "13"],
         measure: phases::measure,
     },
-    Experiment { numbers: &["31", "32"], measure: shunt::measure },
+    Experiment { numbers: &["31", "32"], measure: resistance::measure },
     Experiment { numbers: &["20"], measure: convergence::measure_storage },
     Experiment { numbers: &["14", "15", "17"], measure: shapes::measure },
     Experiment { numbers: &["c", "d"], measure: phases::measure_not_reproduced },

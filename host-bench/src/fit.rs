@@ -8,7 +8,6 @@ mod lines;
 mod model;
 mod picture;
 mod result;
-mod ring_down;
 mod solve;
 mod starts;
 mod uncertainty;
@@ -78,7 +77,7 @@ pub(crate) fn fit(
         free.push(free::of_key(request.file, request.overrides, asked)?);
     }
     let [coarse, fine] = [0, 1].map(|stage| options(request, scene, stage));
-    ring_down::free_starts(scene, &data, &coarse, &mut free)?;
+    starts::free_starts(scene, &data, &coarse, &mut free)?;
     let mut problem = Problem::new(request.file, request.overrides, coarse, data, free, done);
     problem.iterations = request.iterations;
     if problem.count() < problem.free.len() {

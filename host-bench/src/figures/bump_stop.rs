@@ -2,9 +2,7 @@
 //! the convergence in modes and in step that the paper asks for.
 
 mod charging;
-mod chatter;
 pub(crate) mod convergence;
-mod history;
 mod motion;
 mod shapes;
 
@@ -51,10 +49,10 @@ pub fn build(done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
     let modes = convergence::in_modes([stiff_tip, stiff_mid], done)?;
     let steps = convergence::in_step(stiff_tip, done)?;
     let figures = vec![
-        history::six(tip, [&with_gap, &note]),
-        chatter::seven(tip, gap_m(tip_scene), [&with_gap, &note])?,
-        history::eight([tip, none], [&with_gap, &note]),
-        history::nine([tip, mid, none], [&with_gap, &note]),
+        motion::six(tip, [&with_gap, &note]),
+        shapes::seven(tip, gap_m(tip_scene), [&with_gap, &note])?,
+        motion::eight([tip, none], [&with_gap, &note]),
+        motion::nine([tip, mid, none], [&with_gap, &note]),
         shapes::ten(&shapes, [&with_gap, &note]),
         charging::eleven([tip_store, mid_store, no_stop_store], [&charged_base, &note]),
         convergence::modes_figure(&modes, [&stiff_base, &stiff_note]),

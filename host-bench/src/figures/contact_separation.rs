@@ -1,15 +1,11 @@
 //! Figures 8 to 11 of Fu, Ouyang and Davis (J. Phys. D 53, 2020), rebuilt on the embedded core: the
 //! second half of the paper, on the contact-separation harvester.
 
-mod bifurcation;
-mod history;
 mod motion;
 mod response;
 
-use self::bifurcation::diagram;
-use self::history::FREQUENCIES;
-use self::motion::{Case, Grid};
-use self::response::{Sweep, pairs, sweeps};
+use self::motion::{Case, FREQUENCIES, Grid};
+use self::response::{Sweep, diagram, pairs, sweeps};
 
 use super::{Chapter, Figure, Panel, each, sine, table};
 use crate::method::Failure;
@@ -48,7 +44,7 @@ pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, F
     let of_base = format!("{} g", sine(base)?.amplitude_m_per_s2 / GRAVITY);
     let of = [of_base.as_str(), &start];
     let sweeps = sweeps(base, &pairs(), RESPONSES, RESPONSE_TOLERANCE, done)?;
-    let nine = history::nine(base, STRONG, MOTION_TOLERANCE, of, done)?;
+    let nine = motion::nine(base, STRONG, MOTION_TOLERANCE, of, done)?;
     let diagram = diagram(base, STRONG, DIAGRAM, MOTION_TOLERANCE, done)?;
     let [charge_density, resistance] = STRONG;
     let of_nine = FREQUENCIES.map(|frequency| Case { charge_density, resistance, frequency, settle: SETTLE });
@@ -62,7 +58,7 @@ pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, F
         figures: vec![
             response::eight(&sweeps, RESPONSES, of),
             nine,
-            bifurcation::ten(&diagram, STRONG, DIAGRAM, of),
+            response::ten(&diagram, STRONG, DIAGRAM, of),
             response::eleven(&sweeps, RESPONSES, of),
         ],
     })

@@ -5,7 +5,6 @@
 
 mod resistance;
 mod resonance;
-mod response;
 
 pub(crate) use self::resonance::{Case, Peak};
 
@@ -22,7 +21,7 @@ const DENSITIES: [f64; 2] = [20.0, 120.0];
 
 /// Number of resonances that [`build`] follows.
 pub(crate) fn runs() -> usize {
-    response::cases().len() + resistance::cases().len()
+    resonance::cases().len() + resistance::cases().len()
 }
 
 /// Makes the figures on all cores; `done` is called after each resonance.
@@ -34,12 +33,12 @@ pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, F
          resistances and acceleration are chosen."
     );
     let of = [base_g.as_str(), &note];
-    let curves = each(&response::cases(), done, |case| response::Response::of(base, case))?;
+    let curves = each(&resonance::cases(), done, |case| resonance::Response::of(base, case))?;
     let peaks = each(&resistance::cases(), done, |case| case.peak(base))?;
     let figures = vec![
-        response::three(&curves, of),
-        response::four(&curves, of),
-        response::five(&curves, of),
+        resonance::three(&curves, of),
+        resonance::four(&curves, of),
+        resonance::five(&curves, of),
         resistance::six(&peaks, natural, of),
         resistance::charge_sweep(&peaks, natural, &note),
         resistance::resistance_sweep(&peaks, natural, &note),

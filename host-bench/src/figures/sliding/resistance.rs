@@ -1,6 +1,6 @@
 //! Figure 6: the peak over the load resistance, and both sweeps as tables.
 
-use super::response::{COLOURS, RESISTANCES};
+use super::resonance::{COLOURS, RESISTANCES};
 use super::{Case, DENSITIES, Figure, Panel, Peak, ohms};
 use crate::outcome::{csv, number};
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
