@@ -43,8 +43,7 @@ pub use bump_stop::{
 };
 pub use contact_separation::parameters as contact_separation_parameters;
 pub use continuation::{
-    AmplitudeContinuation, Motion, MotionKind, damping_ratio, fingerprint, natural_frequency_hz,
-    with_continuation,
+    AmplitudeContinuation, Motion, MotionKind, fingerprint, natural_frequency_hz, with_continuation,
 };
 pub use shooting::Memory;
 pub use sliding::parameters as sliding_parameters;

@@ -5,7 +5,7 @@ use model_core::energy::response_map::{
 };
 
 use super::Request;
-use crate::embedded::{Search, damping_ratio, natural_frequency_hz, search};
+use crate::embedded::{Search, natural_frequency_hz, search};
 use crate::method::{Failure, Options};
 use crate::scene_file::{Excitation, Scene, Tone};
 
@@ -153,5 +153,5 @@ fn resonance(scene: &Scene, request: &Request, options: &Options) -> Result<(f64
         }
     }
     let natural = natural_frequency_hz(&scene)?;
-    Ok((natural, natural * damping_ratio(&scene).max(1e-3)))
+    Ok((natural, natural * scene.model.summary().damping_ratio.max(1e-3)))
 }

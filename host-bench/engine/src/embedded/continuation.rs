@@ -144,79 +144,33 @@ fn triboelectric<T: Triboelectric>(
         let prepared = prepared::<f64, Polynomial, T>(setting, model)?;
         let simulation = prepared.simulation::<_, STATES>(ExponentialRadau);
         let start = prepared.start(&simulation, &model.start())?;
-        let shoot = Shoot { typical: model.typical(&prepared.core).to_vec() };
-        return with(&mut Sweep::new(setting, &simulation, start, frequency_hz, is_slider, shoot));
+        let typical = model.typical(&prepared.core).to_vec();
+        return with(Sweep::new(setting, &simulation, start, frequency_hz, is_slider).shooting(typical));
     }
     let prepared = behind_bridge::<f64, Polynomial, T>(setting, model)?;
     let simulation = prepared.simulation::<_, { rectified::STATES }>(ExponentialRadau);
     let start = prepared.start(&simulation, &model.start())?;
     // The voltage of a bus does not change.
     let typical = [&model.typical(prepared.core.harvester())[..], &[1.0]].concat();
-    with(&mut Sweep::new(setting, &simulation, start, frequency_hz, is_slider, Shoot { typical }))
+    with(Sweep::new(setting, &simulation, start, frequency_hz, is_slider).shooting(typical))
 }
 
-/// Finds the orbit of one period that a motion approaches.
-pub(super) trait Shooting<H: Harvester<f64>> {
-    /// A state on the orbit, at some instant of the first period; `None` if there is no such orbit.
-    fn orbit(
-        &self,
-        harvester: &H,
-        from: &H::State,
-        excitation: HostExcitation<'_, f64>,
-        frequency_hz: f64,
-        periods: &mut f64,
-    ) -> Result<Option<H::State>, Failure>;
-}
-
-/// A harvester whose steady motion is found by its transient alone: a beam, whose many modes each cost a period of the period
-/// map, and whose motion with contact is rarely of one period.
-pub(super) struct NoShooting;
-
-impl<H: Harvester<f64>> Shooting<H> for NoShooting {
-    fn orbit(
-        &self,
-        _harvester: &H,
-        _from: &H::State,
-        _excitation: HostExcitation<'_, f64>,
-        _frequency_hz: f64,
-        _periods: &mut f64,
-    ) -> Result<Option<H::State>, Failure> {
-        Ok(None)
-    }
-}
-
-/// Shooting on the period map.
-struct Shoot {
-    /// Size of each coordinate in a wide motion.
-    typical: Vec<f64>,
-}
-
-impl<H: Coordinates> Shooting<H> for Shoot {
-    fn orbit(
-        &self,
-        harvester: &H,
-        from: &H::State,
-        excitation: HostExcitation<'_, f64>,
-        frequency_hz: f64,
-        periods: &mut f64,
-    ) -> Result<Option<H::State>, Failure> {
-        let system =
-            ForcedSystem { harvester, excitation: &excitation, frequency_hz, most_attempts: MOST_ATTEMPTS };
-        let mut spent = Spent::default();
-        let verdict = system.steady_state(*from, &self.typical, &mut spent);
-        *periods += spent.periods;
-        Ok(match verdict? {
-            Verdict::StablePeriodOne(orbit) => Some(orbit.start),
-            Verdict::NotReached(_) | Verdict::UnstablePeriodOne(_) | Verdict::NotFound(_) => None,
-        })
-    }
-}
+/// Shoots for the orbit of one period that a motion approaches, from a state of it, with the size of each coordinate in a wide
+/// motion.
+type Shoot<H> = fn(
+    &ForcedSystem<'_, H, HostExcitation<'_, f64>>,
+    <H as Harvester<f64>>::State,
+    &[f64],
+    &mut Spent,
+) -> Result<Verdict<<H as Harvester<f64>>::State>, Failure>;
 
 /// A harvester on its way through the amplitudes. Between two calls its state is at a zero of the sine, at time zero.
-pub(super) struct Sweep<'a, H: Harvester<f64>, T> {
+pub(super) struct Sweep<'a, H: Harvester<f64>> {
     setting: Setting<'a, f64>,
     harvester: &'a H,
-    shooting: T,
+    /// `None`: the transient alone finds a steady motion of a beam, whose many modes each cost a period of the period map, and whose
+    /// motion with contact is rarely of one period.
+    shoot: Option<(Shoot<H>, Vec<f64>)>,
     start: H::State,
     state: H::State,
     saved: Vec<H::State>,
@@ -227,21 +181,29 @@ pub(super) struct Sweep<'a, H: Harvester<f64>, T> {
     periods: f64,
 }
 
-impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
+impl<H: Coordinates> Sweep<'_, H> {
+    /// The same by shooting, with the size of each coordinate in a wide motion.
+    fn shooting(&mut self, typical: Vec<f64>) -> &mut Self {
+        let shoot: Shoot<H> = |system, from, typical, spent| system.steady_state(from, typical, spent);
+        self.shoot = Some((shoot, typical));
+        self
+    }
+}
+
+impl<'a, H: Harvester<f64>> Sweep<'a, H> {
     pub(super) fn new(
         setting: Setting<'a, f64>,
         harvester: &'a H,
         start: H::State,
         frequency_hz: f64,
         is_slider: bool,
-        shooting: T,
     ) -> Self {
         // A free motion falls to 1/e of its amplitude in 1/(2π ζ) of its periods.
-        let window = (0.5 / (std::f64::consts::PI * damping_ratio(setting.scene))).ceil();
+        let window = (0.5 / (std::f64::consts::PI * setting.scene.model.summary().damping_ratio)).ceil();
         Self {
             setting,
             harvester,
-            shooting,
+            shoot: None,
             start,
             state: start,
             saved: Vec::new(),
@@ -294,15 +256,16 @@ impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
 
     /// The motion on the orbit that shooting finds, if it does.
     fn by_shooting(&mut self, excitation: HostExcitation<'_, f64>) -> Result<Option<Motion>, Failure> {
-        let found = self.shooting.orbit(
-            self.harvester,
-            &self.state,
-            excitation,
-            self.frequency_hz,
-            &mut self.periods,
-        );
-        let Some(on_orbit) = found.map_err(|failure| self.failure(failure))? else { return Ok(None) };
-        self.state = on_orbit;
+        let Some((shoot, typical)) = &self.shoot else { return Ok(None) };
+        let Self { harvester, frequency_hz, .. } = *self;
+        let system =
+            ForcedSystem { harvester, excitation: &excitation, frequency_hz, most_attempts: MOST_ATTEMPTS };
+        let mut spent = Spent::default();
+        let verdict = shoot(&system, self.state, typical, &mut spent);
+        self.periods += spent.periods;
+        let verdict = verdict.map_err(|failure| self.failure(failure))?;
+        let Verdict::StablePeriodOne(orbit) = verdict else { return Ok(None) };
+        self.state = orbit.start;
         let mut meter = RunMeter::starting_at(&self.harvester.outputs(&self.state));
         let phase = self.harvester.clock(&self.state).seconds::<f64>() * self.frequency_hz;
         self.advance(excitation, phase + 1.0, &mut meter)?;
@@ -352,7 +315,7 @@ impl<'a, H: Harvester<f64>, T: Shooting<H>> Sweep<'a, H, T> {
     }
 }
 
-impl<H: Harvester<f64>, T: Shooting<H>> AmplitudeContinuation for Sweep<'_, H, T> {
+impl<H: Harvester<f64>> AmplitudeContinuation for Sweep<'_, H> {
     fn settle(&mut self, amplitude: f64) -> Result<Motion, Failure> {
         let sine = Sine::<f64, Polynomial>::new(amplitude, self.frequency_hz, 0.0)
             .map_err(|error| Failure::of_file(self.setting.scene, format!("excitation: {error}")))?;
@@ -381,13 +344,6 @@ impl<H: Harvester<f64>, T: Shooting<H>> AmplitudeContinuation for Sweep<'_, H, T
     fn periods(&self) -> f64 {
         self.periods
     }
-}
-
-/// Damping ratio of the slowest motion of a scene.
-pub fn damping_ratio(scene: &Scene) -> f64 {
-    by_harvester!(scene,
-        triboelectric(model) => model.parameters.damping_ratio,
-        bump_stop(model) => model.parameters.damping_ratio)
 }
 
 /// Natural frequency in Hz of the slowest motion of a scene.

@@ -7,12 +7,9 @@ use model_core::snapshot::Fingerprint;
 use super::super::bump_stop::{parameters, prepared, refuse_step, resistance};
 use super::super::excitation::{Setting, bridge};
 use super::super::run::{refuse_parameter, refuse_start};
-use super::{AmplitudeContinuation, NoShooting, Sweep};
+use super::{Sweep, With};
 use harvester_scene::method::Failure;
 use harvester_scene::scene_file::{BumpStop, Scene};
-
-/// The caller's function.
-type With<'a> = &'a mut dyn FnMut(&mut dyn AmplitudeContinuation) -> Result<(), Failure>;
 
 /// Calls `with` with the harvester, with its resistor or behind its bridge.
 pub(super) fn continuation(
@@ -53,7 +50,7 @@ fn with_modes<L: Circuit<f64>, const B: usize, const R: usize>(
     let stepper = Stepper::with_all_powers(scene, short, long).map_err(refuse_step)?;
     let state =
         stepper.start(&start, &setting.excitation).map_err(|error| refuse_start(setting.scene, &error))?;
-    with(&mut Sweep::new(setting, &stepper, state, frequency_hz, false, NoShooting))
+    with(&mut Sweep::new(setting, &stepper, state, frequency_hz, false))
 }
 
 /// Includes the harvester in `f32` with the modes of its scene, behind a bridge with open terminals.
