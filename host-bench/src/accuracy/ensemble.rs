@@ -18,8 +18,10 @@ const BY_ROUNDING: f64 = 1e-4;
 /// Displaced starts in the steps of the run and in half of them. The displacements are as large as errors by the step: runs of
 /// smaller ones stay together for longer than a run stays with the exact motion, and scatter less than its error.
 const DISPLACED: [f64; 4] = [1e-4, -1e-4, 2e-4, -2e-4];
+/// Most work of a statement of a chaotic motion, in runs, as long as each group has a displaced start.
+const MOST_WORK: u64 = 16;
 /// Standard errors that are stated, fitted to random scenes: the variances are those of a dozen runs.
-const CONFIDENCE: f64 = 4.0;
+const CONFIDENCE: f64 = 3.0;
 
 /// The energies delivered in the window, over displaced starts, in J; where none is, the largest motion in m or the RMS voltage in V.
 pub(super) struct Ensemble {
@@ -37,38 +39,42 @@ impl Ensemble {
     }
 }
 
-/// The run of a displaced start by which a motion is chaotic, if it is: of a run in double precision that differs from that in
-/// half the steps by `between`, and from that in single precision by `rounding`.
+/// Whether the motion is chaotic of a run in double precision that differs from that in half the steps by `between`, and from
+/// that in single precision by `rounding`.
 pub(super) fn chaotic(
     runs: &mut Runs<'_>,
     double: &Options,
     alike: &Outcome,
     [between, rounding]: [Option<Difference>; 2],
-) -> Option<Outcome> {
+) -> bool {
     let [by_step, by_start] = CHAOTIC;
     let may_be = between.is_some_and(|between| between.parts > by_step)
         && rounding.is_none_or(|rounding| rounding.parts > BY_ROUNDING);
     let other = if may_be { runs.at(double, &[SHIFT]).pop() } else { None };
-    other.filter(|other| difference(alike, other).is_some_and(|other| other.parts > by_start))
+    other.and_then(|other| difference(alike, &other)).is_some_and(|other| other.parts > by_start)
 }
 
-/// The ensemble of a run of a chaotic motion, with two runs in double precision from starts that are next to each other, and
-/// one in half the steps with its options; and the other runs of it.
+/// The ensemble of a run of a chaotic motion, with one in half the steps and its options; and the other runs of it.
 pub(super) fn ensemble(
     runs: &mut Runs<'_>,
     options: &Options,
-    (outcome, alike): (&Outcome, [&Outcome; 2]),
+    outcome: &Outcome,
     (finer, half): &(Options, Outcome),
 ) -> Option<(Ensemble, Vec<Outcome>)> {
-    let mut own = runs.at(&to_compare(options), &DISPLACED);
+    let near = runs.at(finer, &[SHIFT]).pop()?;
+    let affordable = |left: u64, steps: u64| (left / steps.max(1)).clamp(1, DISPLACED.len() as u64) as usize;
+    let left = |runs: &Runs<'_>| (MOST_WORK * outcome.steps).saturating_sub(runs.steps);
+    let count = affordable(left(runs).saturating_sub(half.steps), outcome.steps);
+    let mut own = runs.at(&to_compare(options), &DISPLACED[..count]);
     own.push(outcome.clone());
-    let mut halves = runs.at(finer, &DISPLACED);
+    let count = affordable(left(runs), half.steps);
+    let mut halves = runs.at(finer, &DISPLACED[..count]);
     halves.push(half.clone());
     let of = |parts: &dyn Fn(&Outcome) -> Vec<f64>, near: [&Outcome; 2]| {
         of_energies([&own, &halves].map(|runs| runs.iter().map(parts).collect()), &near.map(parts))
     };
     let found = if delivers(outcome) {
-        of(&|run| run.block_energies_j.clone(), alike)
+        of(&|run| run.block_energies_j.clone(), [half, &near])
     } else {
         // The run is one of many: it stays together with itself.
         let of_motion = |index: usize| of(&|run| vec![motions(run)[index]], [outcome; 2]);
@@ -79,12 +85,11 @@ pub(super) fn ensemble(
     Some((found, own))
 }
 
-/// Of energies in the parts of the window, of runs in the steps of the run and in half of them, and of two runs from starts
-/// next to each other, in J; `None` of fewer than two.
+/// Of energies in the parts of the window, of runs in the steps of the run and in half of them, and of two runs in half of them
+/// from starts next to each other, in J; `None` of fewer than two.
 ///
-/// Accurate runs from near starts stay together until they have diverged, and a run in steps leaves them before. The energy of
-/// the time in between is that of one motion, from which the mean of an ensemble is as far as another motion is. The part of
-/// the variance that accurate runs show is that by which the runs of near starts differ.
+/// Accurate runs from near starts stay together until they have diverged, and a run in steps leaves them before. The energy
+/// until then is that of one motion, from which the mean of an ensemble is as far as another motion is.
 fn of_energies(runs: [Vec<Vec<f64>>; 2], near: &[Vec<f64>; 2]) -> Option<Ensemble> {
     let [one, two] = runs.each_ref().map(|runs| runs.len() as f64);
     if runs.iter().any(|runs| runs.len() < 2) {
@@ -95,15 +100,15 @@ fn of_energies(runs: [Vec<Vec<f64>>; 2], near: &[Vec<f64>; 2]) -> Option<Ensembl
     };
     let energies = of_runs(&|parts| parts.iter().sum());
     let variance = pooled(&energies);
-    let of_parts = |part: usize| pooled(&of_runs(&|parts| parts.get(part).copied().unwrap_or(0.0)));
-    let scatter: f64 = (0..near[0].len()).map(of_parts).sum();
-    let apart: f64 = near[0].iter().zip(&near[1]).map(|(one, other)| 0.5 * (one - other).powi(2)).sum();
-    let together = if scatter > 0.0 { (1.0 - apart / scatter).max(0.0) } else { 0.0 };
+    let scatter = |part: usize| pooled(&of_runs(&|parts| parts[part]));
+    let apart = near[0].iter().zip(&near[1]).map(|(one, other)| 0.5 * (one - other).powi(2));
+    let together = apart.enumerate().take_while(|(part, apart)| *apart <= scatter(*part)).count();
+    let shared = pooled(&of_runs(&|parts| parts[..together].iter().sum()));
     let [own, halves] = energies.map(|energies| mean(&energies));
     let bias = (own - halves).powi(2) - variance * (1.0 / one + 1.0 / two);
     Some(Ensemble {
         mean_j: (own * one + halves * two) / (one + two),
-        standard_error_j: (variance * (together + 1.0 / (one + two))).sqrt(),
+        standard_error_j: (shared + variance / (one + two)).sqrt(),
         bias_j: bias.max(0.0).sqrt(),
     })
 }
@@ -136,7 +141,7 @@ mod tests {
     #[test]
     fn a_bias_counts_above_its_standard_error() {
         // By hand: means 2 and 2, squares 2 + 2, variance 4/4 = 1; near starts differ by as much.
-        let scattered = [1.0, 1.0 + 2.0_f64.sqrt()];
+        let scattered = [1.0, 3.0];
         let found = of(&[1.0, 2.0, 3.0], &[1.0, 2.0, 3.0], scattered).expect("enough");
         assert_eq!([found.mean_j, found.bias_j], [2.0, 0.0]);
         assert!((found.standard_error_j - (1.0_f64 / 6.0).sqrt()).abs() < 1e-7);
@@ -150,5 +155,9 @@ mod tests {
     fn where_near_starts_stay_together_the_mean_is_off_by_the_scatter() {
         let found = of(&[1.0, 2.0, 3.0], &[1.0, 2.0, 3.0], [2.0, 2.0]).expect("enough");
         assert!((found.standard_error_j - (7.0_f64 / 6.0).sqrt()).abs() < 1e-15);
+        // In the first of two parts only, with a variance of 1; that of both is 16.
+        let runs = || [-1.0, 0.0, 1.0].map(|at| vec![at, 3.0 * at]).to_vec();
+        let found = of_energies([runs(), runs()], &[vec![1.0, 1.0], vec![1.0, 7.0]]).expect("enough");
+        assert!((found.standard_error_j - (1.0_f64 + 16.0 / 6.0).sqrt()).abs() < 1e-15);
     }
 }

@@ -62,10 +62,9 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     let between_steps = between.filter(|_| !is_lost && !is_coarse(scene, &double));
     let is_missed = beyond_threshold(scene, alike).is_some();
     let rounding = exact.as_ref().and_then(|exact| difference(outcome, exact));
-    let displaced = chaotic(&mut runs, &double, alike, [between_steps, rounding]);
-    let found = displaced
-        .zip(finer.as_ref())
-        .and_then(|(displaced, finer)| ensemble(&mut runs, options, (outcome, [alike, &displaced]), finer));
+    let is_chaotic = chaotic(&mut runs, &double, alike, [between_steps, rounding]);
+    let half = finer.as_ref().filter(|_| is_chaotic);
+    let found = half.and_then(|half| ensemble(&mut runs, options, outcome, half));
     let coarser = if found.is_none() { by_coarser_steps(&mut runs, &double, alike) } else { 0.0 };
     let work = runs.steps as f64 / outcome.steps.max(1) as f64;
     let window = (found.is_some() || scene.excitation.is_irregular()).then(|| window(outcome)).flatten();
