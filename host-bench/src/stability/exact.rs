@@ -18,6 +18,8 @@ const SHORTER: u32 = 2;
 const MORE_ATTEMPTS: u64 = 8;
 /// Tolerance of the reference: its errors are far below what is judged.
 pub(super) const REFERENCE_TOLERANCE: f64 = 1e-10;
+/// Its tolerance for a run that is beyond its statement by it.
+pub(super) const CLOSER_TOLERANCE: f64 = 1e-12;
 /// Tolerances at which it must give the same numbers, with the parts of what is allowed: one of them may agree by chance.
 const LOOSER_TOLERANCES: [(f64, f64); 2] = [(1e-9, 0.5), (1e-8, 2.0)];
 
@@ -145,8 +147,8 @@ pub(super) fn tighter(scene: &Scene, options: &Options) -> Option<Numbers> {
         step_s,
         halvings: options.halvings + more,
         // A bare run of bump-stop does not measure the voltage, which is compared where no power is delivered.
-        bare: !is_bump_stop,
-        blocks: true,
+        bare: !is_bump_stop || options.bare,
+        blocks: !options.bare,
         most_attempts: options.most_attempts.map(|most| most.saturating_mul(MORE_ATTEMPTS)),
         ..*options
     };

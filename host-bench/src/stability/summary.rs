@@ -6,7 +6,6 @@ use std::{env, fs};
 
 use clap::ValueEnum as _;
 use comfy_table::presets;
-use serde::{Deserialize, Serialize};
 
 use super::{Case, Class, Effort, Finding, Judge, Quantity};
 use crate::outcome::{cell, csv_line, fields, name, small, table};
@@ -158,60 +157,21 @@ pub fn cause(reason: &str) -> String {
 // belong to one result.
 
 /// A case with what became of it.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(crate) struct Row {
-    /// Number of the case in its list.
-    pub(crate) number: usize,
-    pub(crate) scene: String,
-    pub(crate) precision: String,
-    pub(crate) class: Class,
-    /// What was compared.
-    pub(crate) quantity: Option<Quantity>,
-    /// Relative error of the quantity.
-    pub(crate) error: Option<f64>,
-    /// The statement of the relative error of the mean power.
-    pub(crate) stated: Option<f64>,
-    pub(crate) is_warned: bool,
-    pub(crate) by_reference: bool,
-    pub(crate) is_chaotic: bool,
-    /// Steps of the runs of the statement over those of the run.
-    pub(crate) work: f64,
-    pub(crate) reason: String,
-    /// The arguments with which the command line runs the case.
-    pub(crate) arguments: String,
-    /// The program that judged it, as by [`build`].
-    pub(crate) build: String,
-}
+pub(crate) type Row = Finding;
 
 impl Row {
     /// Judges cases that differ in nothing but precision; each has its number.
     pub(crate) fn judged(twins: &[(usize, &Case)], effort: Effort) -> Vec<Self> {
         let Some((_, first)) = twins.first() else { return Vec::new() };
         let judge = Judge::new(first, effort);
-        let row = |&(number, case): &(usize, &Case)| Self::of(number, case, judge.finding(case.precision));
-        twins.iter().map(row).collect()
-    }
-
-    fn of(number: usize, case: &Case, finding: Finding) -> Self {
-        let Finding { class, quantity, error, stated, is_warned, by_reference, is_chaotic, work, reason } =
-            finding;
-        Self {
-            number,
-            scene: case.scene.to_owned(),
-            precision: case.precision.name().to_owned(),
-            class,
-            quantity,
-            error,
-            stated,
-            is_warned,
-            by_reference,
-            is_chaotic,
-            work,
+        let row = |&(number, case): &(usize, &Case)| {
+            let finding = judge.finding(case.precision);
             // A row is one line.
-            reason: reason.replace(char::is_control, " "),
-            arguments: case.arguments(),
-            build: build().to_owned(),
-        }
+            let reason = finding.reason.replace(char::is_control, " ");
+            let [scene, precision, build] = [case.scene, case.precision.name(), build()].map(str::to_owned);
+            Self { number, scene, precision, reason, arguments: case.arguments(), build, ..finding }
+        };
+        twins.iter().map(row).collect()
     }
 
     pub(crate) fn heading() -> String {
