@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::string::{String, ToString};
 use std::vec::Vec;
 
-const SOURCE: &str = include_str!("arithmetic/armv6m.s");
+const SOURCE: &str = include_str!("../arithmetic/src/armv6m.s");
 const SIGN: u32 = 1 << 31;
 /// Indices of registers.
 const SP: usize = 13;
