@@ -111,7 +111,7 @@ fn tightened(scene: &Scene, options: Options, outcome: Outcome, asked: f64) -> (
         let Ok(mut again) = run_scene(scene, &limited) else { break };
         state(scene, &limited, &mut again);
         if let Accuracy { chaos: None, step: Some(found), total: Some(_), .. } = again.accuracy
-            && best.0.accuracy.chaos.or(options.accuracy).is_none()
+            && options.accuracy.is_none()
         {
             // An error falls with the square of the step at most: runs that agree better do so by chance.
             let least = step * 0.25_f64.powi((tighter.halvings - best.1.halvings).cast_signed());
