@@ -103,13 +103,15 @@ pub(crate) fn print_line(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// Prints the result on standard output, without control characters other than line breaks and tabs.
+/// Prints the result on standard output, on standard error where a file of the command is standard output, without control characters other than line breaks and tabs.
 ///
 /// # Errors
 /// If it cannot be written. A reader that closed its end is no error.
 pub fn print(text: &str) -> Result<(), Failure> {
     let text = text.replace(|letter: char| letter.is_control() && !['\n', '\t'].contains(&letter), "");
-    let mut output = std::io::stdout().lock();
+    let is_taken = files::OUTPUT_IS_A_FILE.load(Ordering::Relaxed);
+    let mut output: Box<dyn Write> =
+        if is_taken { Box::new(std::io::stderr().lock()) } else { Box::new(std::io::stdout().lock()) };
     match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Failure::Input(format!("standard output cannot be written: {error}")))

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches, Parser};
 use host_bench::command::{
     attractors, be_quiet, budget, findings, fit, keys, map, needs, node_strategies, on_target, optimise,
     plot, print, report, resonance, run, stability, stop, sweep, work_precision,
@@ -12,7 +12,13 @@ use host_bench::method::Failure;
 
 /// Vibration energy harvesters: scenes, reference, reports
 #[derive(Debug, Parser)]
-#[command(version)]
+#[command(
+    version,
+    after_help = "Examples:\n  \
+    host-bench run scene.toml --set load.resistance_ohm=10M --set excitation.amplitude_m_per_s2=0.2g\n  \
+    host-bench new contact-separation | host-bench run -\n\nA file is - for standard input or output. Values of --set \
+    and --over take prefixes and the unit of the\nkey: 10M, 33kΩ, 20us, 0.2g. A COMMAND --help has examples of the command."
+)]
 struct Arguments {
     /// Without one: error against run time in short, and a report in report/
     #[command(subcommand)]
@@ -100,8 +106,47 @@ enum Command {
     WorkPrecisionRow(work_precision::RowArguments),
 }
 
+/// An example of each command for its help.
+const EXAMPLES: [&str; 22] = [
+    "attractors scene.toml --starts 50 --picture basins.svg",
+    "budget node.toml --set node.storage.capacitance_f=300m",
+    "closed-form beam.toml --set load.resistance_ohm=33k",
+    "completions bash",
+    "figures --only sliding",
+    "findings --only 8,9",
+    "fit measured.toml --data sweep.csv --free parameters.damping_ratio --output fitted.toml",
+    "keys contact-separation",
+    "map scene.toml --amplitude 0.5:4 --frequency 15:25 --output map.rs",
+    "needs scene.toml --accuracy 1e-2 --emit cut.rs",
+    "new sliding --output scene.toml",
+    "node-strategies",
+    "node-years --years 1",
+    "on-target --core m4f",
+    "optimise beam.toml --maximise mean_power_w --over load.resistance_ohm=1k:1M:log --over \
+     excitation.frequency_hz=45:60 --steady-state",
+    "plot scene.toml --compare load.resistance_ohm=1M,100M --output motion.html",
+    "resonance scene.toml --from 15 --to 25",
+    "run scene.toml --set excitation.amplitude_m_per_s2=0.2g --format json",
+    "stability --grid coarse",
+    "stop beam.toml --over stop.gap_m=0.1m:0.5m:9",
+    "sweep scene.toml --over load.resistance_ohm=100k:1G:41:log --output target/sweep",
+    "work-precision scene.toml --format csv",
+];
+
+/// The command line, with an example in the help of each command.
+fn command() -> clap::Command {
+    EXAMPLES.iter().fold(Arguments::command(), |command, example| {
+        let name = example.split(' ').next().unwrap_or_default();
+        command.mut_subcommand(name, |one| {
+            let before = one.get_after_help().map_or_else(String::new, |text| format!("{text}\n\n"));
+            one.after_help(format!("{before}Example:\n  host-bench {example}"))
+        })
+    })
+}
+
 fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let parsed = command().try_get_matches().and_then(|matches| Arguments::from_arg_matches(&matches));
+    let arguments = match parsed {
         Ok(arguments) => arguments,
         Err(error) => return usage(&error),
     };
@@ -174,4 +219,21 @@ fn usage(error: &clap::Error) -> ExitCode {
     // What is similar follows in a line of its own.
     let line = lines.join(" ").replace(" tip: ", "; ");
     report(&Failure::Input(line.trim_start_matches("error: ").to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_command_has_an_example_that_it_takes() {
+        let names: Vec<String> =
+            Arguments::command().get_subcommands().map(|one| one.get_name().to_owned()).collect();
+        for name in names.iter().filter(|name| *name != "work-precision-row") {
+            let example = EXAMPLES.iter().find(|example| example.split(' ').next() == Some(name));
+            let words = example.unwrap_or_else(|| panic!("{name} has no example")).split_whitespace();
+            let parsed = command().try_get_matches_from(std::iter::once("host-bench").chain(words));
+            assert!(parsed.is_ok(), "{name}: {:?}", parsed.err().map(|error| error.to_string()));
+        }
+    }
 }

@@ -9,11 +9,11 @@ use plotters::style::RGBColor;
 
 pub(crate) use self::series::{Series, quantity};
 
-use crate::method::Failure;
+use crate::method::{Failure, Math, Options, Precision};
 use crate::name::Name;
 use crate::report::Picture;
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
-use crate::report::setting::scaled;
+use crate::report::setting::{scaled, with_unit};
 use crate::report::svg::{BLACK, COLOURS, range};
 use crate::scene_file::{Excitation, Scene, Tone};
 
@@ -52,6 +52,10 @@ pub(crate) struct Wanted<'a> {
     pub(crate) span_s: [f64; 2],
     /// First and last instant in s of the spectrum.
     pub(crate) window_s: [f64; 2],
+    /// The period of the excitation in s, of which the spectrum has whole numbers; `None` where it has no single one.
+    pub(crate) period_s: Option<f64>,
+    /// The last quantity of the first run at a tenth of its accuracy, by which the noise of the spectrum is known.
+    pub(crate) coarse: Option<&'a Series>,
     /// Largest frequency in Hz of the spectrum.
     pub(crate) highest_hz: f64,
     pub(crate) logarithmic: &'a [LogAxis],
@@ -150,8 +154,25 @@ pub(crate) fn usual<'a>(scene: &Scene, title: &'a str, series: &Series, every_s:
         span_s: span_s(scene),
         window_s: [scene.run.settle_s, scene.run.duration_s],
         highest_hz: highest_hz(scene, every_s),
+        period_s: scene.excitation.single_frequency().map(f64::recip),
+        coarse: None,
         logarithmic: &[LogAxis::Y],
     }
+}
+
+/// Accuracy of a run whose spectrum is drawn: errors of a step repeat with the impacts, and are lines of their own.
+const OF_A_SPECTRUM: f64 = 1e-9;
+
+/// The options of a run whose spectrum is drawn, and of the same at a tenth of its accuracy; `None` where the accuracy is
+/// given, or is no option of the scene.
+pub(crate) fn of_spectrum(scene: &Scene, options: &Options) -> Option<[Options; 2]> {
+    let is_given = options.tolerance.or(options.step_s).or(options.accuracy).is_some();
+    let is_single = options.precision == Some(Precision::F32) || options.math == Some(Math::Micromath);
+    if is_given || is_single || scene.bump_stop().is_ok() {
+        return None;
+    }
+    let all = [1.0, 10.0].map(|factor| Options { accuracy: Some(factor * OF_A_SPECTRUM), ..*options });
+    all.iter().all(|options| options.check_scene(scene).is_ok()).then_some(all)
 }
 
 /// The title of a picture: file, method and parameters.
@@ -248,10 +269,10 @@ fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
 fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let column = wanted.quantities.last()?;
     let has = |axis: LogAxis| wanted.logarithmic.contains(&axis);
-    let all: Vec<Vec<(f64, f64)>> = series
-        .iter()
-        .map(|one| series::amplitudes(&one.over_time(column), wanted.window_s, wanted.highest_hz))
-        .collect();
+    let of = |one: &Series| {
+        series::amplitudes(&one.over_time(column), wanted.window_s, wanted.highest_hz, wanted.period_s)
+    };
+    let all: Vec<Vec<(f64, f64)>> = series.iter().map(of).collect();
     let largest = all.iter().flatten().fold(0.0_f64, |largest, point| largest.max(point.1));
     if !(largest > 0.0) {
         return None;
@@ -260,7 +281,17 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let (name, factor) = scaled(&word, unit, largest);
     // Below a millionth of the largest line there is rounding.
     let floor = 1e-6 * factor * largest;
-    let curves: Vec<Curve> = coloured(series)
+    // A harmonic and the lines beside it, by the window, are no noise.
+    let apart = all[0].get(1).map_or(f64::INFINITY, |line| 4.0 * line.0);
+    let is_noise = |frequency: f64| {
+        let period = wanted.period_s.unwrap_or(0.0);
+        (frequency * period - (frequency * period).round()).abs() > apart * period || period == 0.0
+    };
+    let off = |(one, other): (&(f64, f64), &(f64, f64))| {
+        if is_noise(one.0) { (one.1 - other.1).abs() } else { 0.0 }
+    };
+    let noise = wanted.coarse.map(|coarse| all[0].iter().zip(&of(coarse)).map(off).fold(0.0, f64::max));
+    let mut curves: Vec<Curve> = coloured(series)
         .zip(all)
         .map(|((one, colour), points)| {
             let scaled = points
@@ -277,6 +308,11 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     } else {
         Axis::linear("frequency [Hz]", ends, 6)
     };
+    if let Some(noise) = noise {
+        let level = (factor * noise).max(floor);
+        let name = format!("noise of a line, by a tenth of the accuracy: {}", with_unit(noise, unit));
+        curves.push(Curve::new(name, BLACK, Mark::Dashes(1.2), ends.map(|frequency| (frequency, level))));
+    }
     let top = 1.3 * factor * largest;
     let up = if has(LogAxis::Y) {
         Axis::logarithmic(name, [floor, top])

@@ -1,6 +1,7 @@
 //! The values of a few keys at which a number of the result is largest or smallest: a coarse grid, then a search without
 //! derivatives from its best points.
 
+mod grid;
 mod picture;
 mod search;
 
@@ -14,6 +15,7 @@ pub(crate) use self::picture::picture;
 pub(crate) use self::search::{most_runs, optimise};
 use crate::method::{Failure, Options};
 use crate::outcome::{Outcome, fields, flattened, number};
+use crate::resolution::resonances;
 use crate::run::run_scene;
 use crate::scene_file::{self, Override, Scene};
 
@@ -51,8 +53,8 @@ impl FromStr for Range {
             [low, high, "log"] => (low, high, true),
             _ => return Err(FORM.to_owned()),
         };
-        let value = |name: &str, text: &str| match text.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
+        let value = |name: &str, text: &str| match scene_file::number_of(&key, text) {
+            Some(value) if value.is_finite() => Ok(value),
             _ => Err(format!("{name} = {text:?} must be a finite number")),
         };
         let (low, high) = (value("LOW", low)?, value("HIGH", high)?);
@@ -178,12 +180,15 @@ impl Request<'_> {
     }
 
     fn judged(&self, place: &[f64], outcome: Option<Outcome>) -> Point {
+        let scene = || self.scene(place).ok();
+        let tuned = outcome.as_ref().and_then(|outcome| Some(Tuning::of(&scene()?, outcome)));
         let found = outcome.and_then(|outcome| {
             let found = self.judge(&outcome);
             self.runs.failed.fetch_add(usize::from(found.is_none()), Ordering::Relaxed);
             found
         });
-        Point { place: place.to_vec(), found }
+        let tuning = tuned.filter(|_| found.is_some()).unwrap_or_default();
+        Point { place: place.to_vec(), found, tuning }
     }
 
     /// The value sought, the higher the better, and the margin of each constraint; `None` where one is undefined.
@@ -251,7 +256,7 @@ impl Request<'_> {
     }
 
     /// The value in its own sign.
-    fn signed(&self, value: f64) -> f64 {
+    pub(crate) fn signed(&self, value: f64) -> f64 {
         if self.is_largest { value } else { -value }
     }
 }
@@ -275,6 +280,27 @@ fn irrelevant(name: &str) -> Option<&'static str> {
     }
 }
 
+/// How far a scene is from its resonances.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Tuning {
+    /// Logarithms of the frequency of the excitation over the natural frequencies, in their order; none without one sine.
+    distances: Vec<f64>,
+    /// Half-power bandwidth over the natural frequency.
+    bandwidth: f64,
+}
+
+impl Tuning {
+    fn of(scene: &Scene, outcome: &Outcome) -> Self {
+        let (resonances, damping_ratio) = resonances(scene, outcome);
+        let frequency = scene.excitation.single_frequency().filter(|frequency| *frequency > 0.0);
+        let distances = frequency
+            .iter()
+            .flat_map(|frequency| resonances.iter().map(move |natural| (frequency / natural).ln()))
+            .collect();
+        Self { distances, bandwidth: 2.0 * damping_ratio }
+    }
+}
+
 /// A point that was run.
 #[derive(Debug, Clone)]
 pub(crate) struct Point {
@@ -282,6 +308,7 @@ pub(crate) struct Point {
     pub(crate) place: Vec<f64>,
     /// The value sought, the higher the better, and the margins of the constraints; `None` where the run failed.
     pub(crate) found: Option<(f64, Vec<f64>)>,
+    pub(crate) tuning: Tuning,
 }
 
 impl Point {
@@ -307,8 +334,12 @@ pub(crate) struct Optimum {
     pub(crate) unconstrained: Option<Point>,
     /// For each key the range around the best point within 1 % of the best value.
     pub(crate) flat: Vec<[f64; 2]>,
+    /// The other optima, the best first, each with the same ranges within 1 % of its own value.
+    pub(crate) others: Vec<(Point, Vec<[f64; 2]>)>,
+    /// What was searched.
+    pub(crate) searched: String,
     pub(crate) outcome: Outcome,
-    /// All points of the grid, the last key running fastest, and then those of the searches.
+    /// All points of the grid, the last key running fastest, and then those between them and of the searches.
     pub(crate) points: Vec<Point>,
     /// Runs of these points, of the flat range, of the best point again, and beside it; and those that failed.
     pub(crate) runs: [usize; 2],
@@ -334,8 +365,17 @@ impl Optimum {
             Self::values(request, point).into_iter().map(|(key, value)| (key, json!(value))).collect()
         };
         let keys = || request.ranges.iter().enumerate();
-        let flat: Map<String, Value> =
-            keys().map(|(index, range)| (range.key.clone(), json!(self.flat[index]))).collect();
+        let ranges = |flat: &[[f64; 2]]| -> Map<String, Value> {
+            keys().map(|(index, range)| (range.key.clone(), json!(flat[index]))).collect()
+        };
+        let other = |(point, flat): &(Point, Vec<[f64; 2]>)| {
+            json!({
+                "value": point.value().map(|value| request.signed(value)),
+                "point": of_point(point),
+                "range_within_1_percent": ranges(flat),
+            })
+        };
+        let others: Vec<Value> = self.others.iter().map(other).collect();
         let at_bound: Map<String, Value> = keys()
             .map(|(index, range)| {
                 let part = self.best.place[index];
@@ -343,16 +383,6 @@ impl Optimum {
             })
             .collect();
         let value = self.best.value();
-        let numbers = flattened(fields(&self.outcome));
-        let constraints: Vec<Value> = request
-            .constraints
-            .iter()
-            .map(|constraint| {
-                let at = numbers.get(&constraint.quantity).cloned().unwrap_or(Value::Null);
-                let is_active = at.as_f64().is_some_and(|at| constraint.margin(at) < 1e-2);
-                json!({ "constraint": constraint.text(), "value": at, "active": is_active })
-            })
-            .collect();
         let mut all = Map::new();
         let mut put = |key: &str, value: Value| all.insert(key.to_owned(), value);
         put("scene", json!(self.outcome.scene));
@@ -360,12 +390,14 @@ impl Optimum {
         put("sought", json!(if request.is_largest { "maximum" } else { "minimum" }));
         put("value", json!(value.map(|value| request.signed(value))));
         put("point", Value::Object(of_point(&self.best)));
-        put("range_within_1_percent", Value::Object(flat));
+        put("range_within_1_percent", Value::Object(ranges(&self.flat)));
+        put("other_optima", json!(others));
+        put("searched", json!(self.searched));
         put("at_bound", Value::Object(at_bound));
         if let Some(without) = &self.unconstrained {
             let value_without = without.value();
             let cost = value_without.zip(value).map(|(without, with)| without - with);
-            put("constraints", Value::Array(constraints));
+            put("constraints", self.constraints(request));
             put("unconstrained_value", json!(value_without.map(|value| request.signed(value))));
             put("unconstrained_point", Value::Object(of_point(without)));
             put("constraint_cost", json!(cost));
@@ -379,5 +411,16 @@ impl Optimum {
         put("warnings", json!(self.warnings().collect::<Vec<_>>()));
         put("result", Value::Object(fields(&self.outcome)));
         all
+    }
+
+    /// Each constraint with its quantity at the best point, and whether it limits it.
+    fn constraints(&self, request: &Request<'_>) -> Value {
+        let numbers = flattened(fields(&self.outcome));
+        let of = |constraint: &Constraint| {
+            let at = numbers.get(&constraint.quantity).cloned().unwrap_or(Value::Null);
+            let is_active = at.as_f64().is_some_and(|at| constraint.margin(at) < 1e-2);
+            json!({ "constraint": constraint.text(), "value": at, "active": is_active })
+        };
+        request.constraints.iter().map(of).collect()
     }
 }

@@ -5,6 +5,7 @@ mod draw;
 pub(crate) mod page;
 pub(crate) mod setting;
 pub(crate) mod svg;
+mod terminal;
 
 use std::path::Path;
 
@@ -13,6 +14,7 @@ use plotters::style::RGBColor;
 use self::chart::{Axis, Chart, Curve, Mark};
 pub(crate) use self::draw::draw;
 use self::page::{Page, escaped};
+pub(crate) use self::terminal::terminal;
 use crate::method::{Failure, Math, Method, Precision};
 use crate::work_precision::table::resistance;
 use crate::work_precision::triboelectric::method_name;
@@ -130,6 +132,23 @@ fn summary(comparison: &Comparison) -> String {
     )
 }
 
+/// The part of a comparison that a terminal has room for: a curve for each method in double precision, and what `auto` takes.
+pub(crate) fn short_chart(comparison: &Comparison) -> Chart {
+    let mut chart = chart(comparison);
+    chart.curves.retain(|curve| !curve.name.ends_with("f32"));
+    for curve in &mut chart.curves {
+        curve.mark = Mark::Dots(8.0);
+        curve.name = curve.name.replace(", f64", "");
+    }
+    let points = || chart.curves.iter().flat_map(|curve| &curve.points);
+    let spans = [decades(points().map(|point| point.0)), decades(points().map(|point| point.1))];
+    (chart.across.span, chart.up.span) = (spans[0], spans[1]);
+    let asked = comparison.target_error();
+    let line = spans[0].map(|time| (time, asked));
+    chart.curves.push(Curve::new(format!("asked: {asked:.0e}"), svg::BLACK, Mark::Dashes(1.0), line));
+    Chart { title: String::new(), ..chart }
+}
+
 /// Error against run time: a curve for each method and precision. Rows with other elementary functions than the polynomials,
 /// and rows with an error above 1, are in the table only.
 fn chart(comparison: &Comparison) -> Chart {
@@ -164,7 +183,7 @@ fn chart(comparison: &Comparison) -> Chart {
 
 fn colour(variant: &Variant) -> RGBColor {
     match method_name(variant) {
-        "exponential Radau" => svg::BLACK,
+        "exponential Radau" | "auto" => svg::BLACK,
         "exponential Radau, fixed step" => svg::PURPLE,
         "TR-BDF2" => svg::BLUE,
         "TR-BDF2, fixed step" => svg::ORANGE,

@@ -92,7 +92,7 @@ pub(crate) struct Measured {
     #[serde(skip_serializing_if = "Option::is_none")]
     contacts: Option<u64>,
     /// Steps, kept and rejected, per simulated second.
-    steps_per_s: f64,
+    pub(crate) steps_per_s: f64,
     /// Processor time of the host in ns per simulated second, the least of the runs.
     pub(crate) ns_per_s: f64,
     /// The largest of them over the least, less 1.

@@ -2,19 +2,32 @@
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io::{Error, ErrorKind, Read, Result};
+use std::io::{Error, ErrorKind, Read, Result, stdin};
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// Most bytes of a scene file.
 pub const MOST_OF_SCENE: u64 = 4 << 20;
 /// Most bytes of a recording, a trace, or a file of measurements.
 pub const MOST_OF_DATA: u64 = 64 << 20;
 
-/// The bytes of a file.
+/// The name of standard input, and of standard output.
+pub const STANDARD: &str = "-";
+/// Standard input, which can be read once; `None` where it cannot be read.
+static INPUT: OnceLock<Option<Vec<u8>>> = OnceLock::new();
+
+/// The bytes of a file, or of standard input.
 ///
 /// # Errors
 /// What is no file, cannot be read, or has more than `most` bytes.
 pub fn read(file: &Path, most: u64) -> Result<Vec<u8>> {
+    if file == Path::new(STANDARD) {
+        let mut bytes = Vec::new();
+        let all =
+            INPUT.get_or_init(|| stdin().take(MOST_OF_DATA + 1).read_to_end(&mut bytes).ok().map(|_| bytes));
+        let all = all.clone().ok_or_else(|| Error::other("standard input cannot be read"))?;
+        return short(all, most);
+    }
     let is_file = fs::metadata(file)?.is_file();
     // A pipe that nobody writes to is never open, and a device may have no end.
     if !is_file {
@@ -22,6 +35,11 @@ pub fn read(file: &Path, most: u64) -> Result<Vec<u8>> {
     }
     let mut bytes = Vec::new();
     File::open(file)?.take(most + 1).read_to_end(&mut bytes)?;
+    short(bytes, most)
+}
+
+/// Refuses more bytes than `most`.
+fn short(bytes: Vec<u8>, most: u64) -> Result<Vec<u8>> {
     if bytes.len() as u64 > most {
         return Err(Error::new(ErrorKind::FileTooLarge, format!("must have at most {most} bytes, has more")));
     }

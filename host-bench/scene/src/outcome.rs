@@ -10,8 +10,8 @@ use serde::Serialize;
 pub use self::accuracy::{Accuracy, CreatedEnergy, created_energy_warning};
 pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome, ClampOutcome};
 pub use self::format::{
-    Fields, Format, cell, csv, csv_line, csv_sections, fields, flattened, name, number, optional_number,
-    rows_csv, shown, small, table, text,
+    Fields, Format, WIDTH, cell, csv, csv_line, csv_sections, fields, flattened, folded, name, number,
+    optional_number, rows_csv, shown, small, table, text,
 };
 pub use self::limits::{LIMIT, MODEL, Margin, Margins};
 

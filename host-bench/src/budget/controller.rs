@@ -38,6 +38,8 @@ pub(super) struct Controller<'a, S: 'static, const SLOTS: usize> {
     battery: Option<&'static BatteryCurve<S>>,
     budget: Budget<S, SLOTS>,
     state: BudgetState<S, SLOTS>,
+    /// The same of a node that is never off: it knows the income of every slot.
+    informed: BudgetState<S, SLOTS>,
     due: Vec<Due<S>>,
     /// Whether the node was switched off since the last decision.
     was_off: bool,
@@ -97,7 +99,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
         let budget = built(parameters, battery).map_err(refuse)?;
         let mut state = budget.start(0);
         budget.correct_by_voltage(&mut state, S::from_f64(voltage), S::ZERO);
-        Ok(Self { node, parameters, battery, budget, state, due, was_off: false })
+        Ok(Self { node, parameters, battery, budget, state, informed: state, due, was_off: false })
     }
 
     /// The rates in 1/s at which the actions can run for ever by the income learnt so far, at most the wished rates.
@@ -116,7 +118,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
         rates.collect()
     }
 
-    /// The smallest capacitance in F with which a full storage sustains all wished rates, at least a thousandth of that of the
+    /// The smallest capacitance in F with which a full storage sustains all wished rates by the income of every slot, at least a thousandth of that of the
     /// node; `None` if a thousand times it, or the largest one that a scene may have, does not, and with a battery. The leakage
     /// resistance stays.
     pub(super) fn smallest_capacitance(&self) -> Option<f64> {
@@ -129,7 +131,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
             storage.capacitor.capacitance *= S::from_f64(factor);
             let highest = storage.highest_voltage;
             parameters.build::<SLOTS>().is_ok_and(|budget| {
-                let mut state = self.state;
+                let mut state = self.informed;
                 budget.correct_by_voltage(&mut state, highest, S::ZERO);
                 let rates = self.rates_with(parameters, &state);
                 rates
@@ -190,6 +192,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Controller<'a, S, SLOTS> {
 
     /// Books an interval in which the harvester delivered `harvested_j` in J. A node that was off knows only its length.
     pub(super) fn update(&mut self, seconds: u32, harvested_j: f64, was_on: bool) {
+        self.budget.update(&mut self.informed, seconds, S::from_f64(harvested_j), S::ZERO);
         if was_on {
             self.budget.update(&mut self.state, seconds, S::from_f64(harvested_j), S::ZERO);
         } else {

@@ -4,8 +4,10 @@ use std::cell::RefCell;
 use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::note;
+use crate::input::STANDARD;
 use crate::method::Failure;
 use crate::name::Name;
 use crate::scene_file::{Override, files, shipped};
@@ -20,6 +22,9 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
     fs::create_dir_all(folder)
         .map_err(|error| Failure::Input(format!("{}: cannot be made: {error}", folder.display())))
 }
+
+/// Whether a file of this command is standard output, so that what is for people goes to standard error.
+pub(super) static OUTPUT_IS_A_FILE: AtomicBool = AtomicBool::new(false);
 
 /// Writes files, none of which replaces a file that the command reads. A file that was checked is locked until it is
 /// written, or until this is dropped.
@@ -50,6 +55,11 @@ impl Outputs {
     /// Locks a file. Refuses one that could not be written, must not be replaced, is locked by another command, or was
     /// named before; `option` names it.
     pub(crate) fn check(&self, option: &str, file: &Path) -> Result<(), Failure> {
+        if file == Path::new(STANDARD) {
+            let is_first = !OUTPUT_IS_A_FILE.swap(true, Ordering::Relaxed);
+            let twice = || refusal(option, file, "must not be the file of another output of this command");
+            return is_first.then_some(()).ok_or_else(twice);
+        }
         let claimed = self.target(file).and_then(|(target, _)| {
             if self.claims.borrow().iter().any(|claim| claim.target == target) {
                 return Err("must not be the file of another output of this command".to_owned());
@@ -63,6 +73,9 @@ impl Outputs {
     /// As [`Outputs::check`], of a picture whose name must end in one of these.
     pub(crate) fn check_picture(&self, option: &str, file: &Path, endings: &[&str]) -> Result<(), Failure> {
         self.check(option, file)?;
+        if file == Path::new(STANDARD) {
+            return Ok(());
+        }
         let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         if !ending.is_some_and(|ending| endings.contains(&ending.as_str())) {
             return Err(refusal(option, file, &format!("must end in .{}", endings.join(" or ."))));
@@ -98,6 +111,14 @@ impl Outputs {
     /// Writes a file whole or not at all: to a temporary file beside it, which is then renamed.
     pub(crate) fn write(&self, file: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
         let refuse = |reason: String| Failure::Input(format!("{}: {reason}", file.display()));
+        if file == Path::new(STANDARD) {
+            let mut output = io::stdout().lock();
+            let written = output.write_all(bytes.as_ref()).and_then(|()| output.flush());
+            // A reader that closed its end is no error.
+            let kind = |error: &io::Error| error.kind() == io::ErrorKind::BrokenPipe;
+            let written = written.or_else(|error| if kind(&error) { Ok(()) } else { Err(error) });
+            return written.map_err(|error| refuse(format!("cannot be written: {error}")));
+        }
         let (target, replaced) = self.target(file).map_err(refuse)?;
         let known = self.claims.borrow().iter().position(|claim| claim.target == target);
         let claim = match known {

@@ -6,6 +6,7 @@ use super::files::Outputs;
 use super::{NODE, SceneArguments, check_keys, check_overrides, count, print, progress};
 use crate::accuracy::print_warnings;
 use crate::fit::{self, FitResult, Request, free::Asked};
+use crate::input::STANDARD;
 use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::Format;
@@ -136,7 +137,7 @@ impl FitArguments {
 
     /// The picture beside the fitted scene.
     fn beside(&self) -> Option<PathBuf> {
-        self.output.as_ref().map(|path| path.with_extension("svg"))
+        self.output.as_deref().and_then(beside)
     }
 
     fn check_outputs(&self, outputs: &Outputs) -> Result<(), Failure> {
@@ -185,6 +186,11 @@ fn unwritten(found: &FitResult) -> Option<&'static str> {
 
 fn not_written(path: &Path, reason: &str) -> Failure {
     Failure::Step(format!("{}: is not written, because {reason}", path.display()))
+}
+
+/// The picture beside a scene that is written; standard output has none.
+pub(super) fn beside(path: &Path) -> Option<PathBuf> {
+    (path != Path::new(STANDARD)).then(|| path.with_extension("svg"))
 }
 
 /// The folder of a file, as the system names it.

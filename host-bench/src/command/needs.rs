@@ -18,7 +18,7 @@ use crate::needs::{
 };
 use crate::on_target::qemu::Core;
 use crate::on_target::{self, Bench, Measurement};
-use crate::outcome::{Fields, Format, SwitchCycles, fields, name, rows_csv, small, table};
+use crate::outcome::{Fields, Format, SwitchCycles, fields, folded, name, rows_csv, small, table};
 use crate::rows::{Digits, Rows};
 use crate::run::run_scene;
 use crate::scene_file::{self, Excitation, Override, Scene};
@@ -96,7 +96,8 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     print(&match format {
         Format::Table => {
             let costs = on_core.as_deref().map_or_else(String::new, costs_table);
-            report(&study, accuracy, &needs, &numerics) + &costs
+            let all = report(&study, accuracy, &needs, &numerics) + &costs;
+            all.lines().map(|line| folded(line, 0) + "\n").collect()
         }
         Format::Json => {
             let mut object = object(&study, accuracy, &needs, &numerics);

@@ -4,17 +4,17 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use super::files::Outputs;
-use super::fit::folder;
+use super::fit::{beside, folder};
 use super::{
     NODE, SceneArguments, StorageVoltage, check_keys, count, json_text, one_more, print, print_line, progress,
 };
 use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
 use crate::name::Name;
-use crate::optimise::{Constraint, Optimum, Range, Request, Runs, most_runs, optimise, picture};
-use crate::outcome::{Format, small, text};
+use crate::optimise::{Constraint, Optimum, Point, Range, Request, Runs, most_runs, optimise, picture};
+use crate::outcome::{Format, folded, small, text};
 use crate::report::setting::margin;
-use crate::scene_file::{self, Scene};
+use crate::scene_file::Scene;
 
 /// Points of the grid for each of one to four keys.
 const GRID: [usize; 4] = [41, 15, 7, 5];
@@ -78,7 +78,7 @@ pub fn run_time() -> String {
     };
     format!(
         "Run time: that of its runs on all cores: at most {} of them over one to four keys, with constraints {}; most searches \
-         end after half of them",
+         end after a quarter of them",
         most(false),
         most(true)
     )
@@ -115,8 +115,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outpu
         &storage_voltage.unused(&[NODE, ("fit", "[fit] is of the command fit")]),
     )?;
     let outputs = Outputs::of(file, overrides)?;
-    let pictures =
-        [arguments.output.as_ref().map(|path| path.with_extension("svg")), arguments.picture.clone()];
+    let pictures = [arguments.output.as_deref().and_then(beside), arguments.picture.clone()];
     for path in arguments.output.iter().chain(&pictures[0]) {
         outputs.check("--output", path)?;
     }
@@ -124,7 +123,6 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outpu
         outputs.check_picture("--picture", path, &["svg", "html"])?;
     }
     let hold = |scene: &mut Scene| storage_voltage.hold(scene);
-    scene_file::read(file, overrides)?;
     let of_margins: Option<Constraint> = arguments.keep_margins.then(|| MARGINS.parse().ok()).flatten();
     let bar = progress(0);
     let request = Request {
@@ -208,10 +206,25 @@ fn for_people(found: &Optimum, request: &Request<'_>) -> String {
     let mut text = String::new();
     let sought = if request.is_largest { "largest" } else { "smallest" };
     let _ = writeln!(text, "{sought} {}: {:.6e}", request.quantity, number("value"));
-    let values = Optimum::values(request, &found.best).into_iter().zip(&found.flat);
-    for ((key, value), [low, high]) in values {
-        let bound = if json["at_bound"][&key] == true { ", at its bound" } else { "" };
-        let _ = writeln!(text, "  {key} = {value:.6e}{bound}, within 1 % of it from {low:.4e} to {high:.4e}");
+    let place = |point: &Point, flat: &[[f64; 2]], text: &mut String| {
+        for ((key, value), [low, high]) in Optimum::values(request, point).into_iter().zip(flat) {
+            let is_end = |range: &Range| range.key == key && (range.low == value || range.high == value);
+            let bound = if request.ranges.iter().any(is_end) { ", at its bound" } else { "" };
+            let _ =
+                writeln!(text, "  {key} = {value:.6e}{bound}, within 1 % of it from {low:.4e} to {high:.4e}");
+        }
+    };
+    place(&found.best, &found.flat, &mut text);
+    for (point, flat) in &found.others {
+        let value = point.value().unwrap_or(f64::NAN);
+        let best = found.best.value().unwrap_or(f64::NAN);
+        let _ = writeln!(
+            text,
+            "another optimum: {:.6e}, {:.2} % off the {sought}",
+            request.signed(value),
+            100.0 * (best - value).abs() / best.abs()
+        );
+        place(point, flat, &mut text);
     }
     if let Some(without) = &found.unconstrained {
         for constraint in json["constraints"].as_array().into_iter().flatten() {
@@ -234,5 +247,6 @@ fn for_people(found: &Optimum, request: &Request<'_>) -> String {
     let _ = writeln!(text, "accuracy of the mean power there: {stated}");
     let [runs, failed] = found.runs;
     let _ = writeln!(text, "{runs} runs, {failed} failed");
+    let _ = writeln!(text, "{}", folded(&format!("searched: {}", found.searched), 2));
     text
 }

@@ -94,20 +94,19 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
     let traces: Vec<Series> =
         arguments.traces.iter().map(|file| Series::read(file)).collect::<Result<_, _>>()?;
     let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?.and(&arguments.traces);
-    let file = match &arguments.output {
-        Some(file) => {
-            outputs.check_picture("--output", file, &["svg", "html"])?;
-            file.clone()
-        }
-        None => {
-            outputs.check_in("", &report_folder(), &["plot.svg"])?;
-            report_folder().join("plot.svg")
-        }
-    };
+    let file = output(arguments, &outputs)?;
     let watch = Watch::new();
     let (mut series, mut method) = (Vec::new(), String::new());
     let (mut smallest, mut stated) = (Vec::new(), Statements::default());
+    let has_spectrum = arguments.view.is_empty() || arguments.view.contains(&View::Spectrum);
+    let of_spectrum = |scene| has_spectrum.then(|| motion::of_spectrum(scene, &options)).flatten();
+    let mut coarse = None;
     for (name, scene) in &scenes {
+        let accurate = of_spectrum(scene);
+        if let (true, Some([_, tenth])) = (series.is_empty(), accurate) {
+            coarse = run_scene(scene, &tenth).ok().map(|outcome| Series::of(name.as_str(), scene, &outcome));
+        }
+        let options = accurate.map_or(options, |[accurate, _]| accurate);
         let outcome = run_scene(scene, &options).map_err(|failure| failure.of_case(name))?;
         series.push(Series::of(name.as_str(), scene, &outcome));
         smallest.extend(outcome.margins.smallest_margin);
@@ -125,6 +124,7 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
         span_s,
         highest_hz: arguments.highest.unwrap_or(usual.highest_hz),
         logarithmic: &arguments.log,
+        coarse: coarse.as_ref(),
         ..usual
     };
     print_warnings(&stated.fields(&[]));
@@ -135,6 +135,16 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
     outputs.write(&file, &picture)?;
     note("each run once, without an accuracy statement: `run` has one");
     print(&format!("{}\n", file.display()))
+}
+
+/// The file of the picture, which can be written.
+fn output(arguments: &PlotArguments, outputs: &Outputs) -> Result<PathBuf, Failure> {
+    let Some(file) = &arguments.output else {
+        outputs.check_in("", &report_folder(), &["plot.svg"])?;
+        return Ok(report_folder().join("plot.svg"));
+    };
+    outputs.check_picture("--output", file, &["svg", "html"])?;
+    Ok(file.clone())
 }
 
 /// The runs with their names.

@@ -85,6 +85,7 @@ impl Rows {
         let opened = if is_new || dropped > 0 { replace(path, &whole.concat()) } else { Ok(()) };
         let opened = opened.and_then(|()| OpenOptions::new().append(true).open(path));
         let file = opened.map_err(|error| refuse(format!("cannot be written: {error}")))?;
+        note(&format!("Ctrl-C keeps what is done, in {}; the same command goes on from it", path.display()));
         Ok((Self { option: option.to_owned(), path: path.to_owned(), file: Mutex::new(file) }, known))
     }
 

@@ -1,6 +1,6 @@
 //! `run`: one scene.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
@@ -14,7 +14,8 @@ use crate::attractors::add_branches;
 use crate::closed_form::estimate;
 use crate::method::{Failure, Options, Precision};
 use crate::motion::{self, Series};
-use crate::outcome::{Format, fields, text};
+use crate::outcome::{Format, Outcome, fields, text};
+use crate::report::Picture;
 use crate::report::setting::{margin, setting};
 use crate::resolution::remarks;
 use crate::run::run_scene;
@@ -96,12 +97,8 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     };
     drop(watch);
     if let (Some(file), Some(every_s)) = (&arguments.picture, options.trace_every_s) {
-        let series = Series::of("run", &scene, &outcome);
-        let words = setting(&scene, &[]) + &margin(outcome.margins.smallest_margin);
-        let title = motion::title(&arguments.scene.scene, &outcome.method, &words);
-        let wanted = motion::usual(&scene, &title, &series, every_s);
-        let picture = motion::picture(&wanted, &[series])?.of_file(file)?;
-        outputs.keep(file, picture);
+        let picture = picture(&arguments.scene.scene, &scene, (&options, every_s), &outcome)?;
+        outputs.keep(file, picture.of_file(file)?);
     }
     if let (Some(file), Some(recording)) = (&arguments.trace, &outcome.trace) {
         outputs.keep(file, recording.csv());
@@ -111,6 +108,25 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
     }
     print(&outcome.text(arguments.scene.format))?;
     outputs.ended()
+}
+
+/// The picture of a run, recorded every `every_s` s. The lines of a spectrum need a more accurate run than its numbers.
+fn picture(
+    file: &Path,
+    scene: &Scene,
+    (options, every_s): (&Options, f64),
+    outcome: &Outcome,
+) -> Result<Picture, Failure> {
+    let recorded =
+        |options: &Options| run_scene(scene, &Options { trace_every_s: Some(every_s), ..*options });
+    let accurate = motion::of_spectrum(scene, options);
+    let [fine, coarse] = accurate.map_or([None, None], |all| all.map(|options| recorded(&options).ok()));
+    let series = Series::of("run", scene, fine.as_ref().unwrap_or(outcome));
+    let coarse = coarse.map(|outcome| Series::of("run", scene, &outcome));
+    let words = setting(scene, &[]) + &margin(outcome.margins.smallest_margin);
+    let title = motion::title(file, &outcome.method, &words);
+    let usual = motion::usual(scene, &title, &series, every_s);
+    motion::picture(&motion::Wanted { coarse: coarse.as_ref(), ..usual }, &[series])
 }
 
 /// Runs the scene with several seeds and prints the statistics over them.

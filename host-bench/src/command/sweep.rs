@@ -19,6 +19,7 @@ use super::files::{Outputs, make_folder};
 use super::{NODE, SceneArguments, StorageVoltage, check_keys, is_quiet, note, print, print_line, progress};
 use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
+use crate::input::{self, MOST_OF_DATA};
 use crate::method::{Failure, Options};
 use crate::name::Name;
 use crate::outcome::{Fields, Format, STABLE, fields, flattened, number, rows_csv};
@@ -237,7 +238,7 @@ fn identity(arguments: &SweepArguments) -> Result<String, Failure> {
     let asked = (&scene.options, &scene.overrides, axes, storage_voltage, flags);
     let mut asked = format!("{asked:?}").into_bytes();
     for file in scene_file::files(&arguments.scene.scene, &arguments.scene.overrides)? {
-        let content = std::fs::read(&file)
+        let content = input::read(&file, MOST_OF_DATA)
             .map_err(|error| Failure::Input(format!("{}: cannot be read: {error}", file.display())))?;
         asked.extend(content);
     }
@@ -365,7 +366,7 @@ fn table(axes: &[Axis], points: &[Point]) -> String {
             ("steps", "steps", Digits::Six),
         ])
         .chain(steady.then_some(("steady_state", "steady_state", Digits::Six)))
-        .chain([("error", "error", Digits::Word)])
+        .chain(points.iter().any(|point| point.found.is_err()).then_some(("error", "error", Digits::Word)))
         .collect();
     rows_of(axes, points).table(presets::NOTHING, &columns, columns.len())
 }

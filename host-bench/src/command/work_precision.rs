@@ -2,14 +2,23 @@
 
 use std::path::PathBuf;
 
+use comfy_table::presets;
+use serde_json::json;
+
 use super::files::{Outputs, make_folder, report_folder};
 use super::{NODE, SHIPPED_SCENES, check_overrides, json_text, note, one_more, print, progress};
-use crate::method::Failure;
-use crate::outcome::Format;
-use crate::report::report;
+use crate::method::{Failure, Method, Options, Precision};
+use crate::motion::{self, Series, View, Wanted};
+use crate::needs::{Study, cheapest};
+use crate::outcome::{Format, fields, folded};
+use crate::report::setting::{setting, with_unit};
+use crate::report::{report, short_chart, terminal};
+use crate::rows::{Column, Digits, Rows};
+use crate::run::run_scene;
 use crate::scene_file::{self, Model, Override, Scene};
 use crate::work_precision::grid::{self, Grid};
-use crate::work_precision::{self, Comparison, Extent, table};
+use crate::work_precision::triboelectric::method_name;
+use crate::work_precision::{self, Comparison, Control, Extent, Row, Variant, least, table};
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Run time: three minutes of one core for the shipped scenes")]
@@ -193,25 +202,159 @@ pub(super) fn shipped(overrides: &[Override], extent: &Extent) -> Result<Vec<Sce
 pub(super) fn compare(scenes: &[Scene], extent: &Extent) -> Result<Vec<Comparison>, Failure> {
     let bar = progress(scenes.iter().map(|scene| work_precision::length(scene, extent)).sum());
     let comparisons =
-        scenes.iter().map(|scene| work_precision::compare(scene, extent, || bar.inc(1))).collect();
+        scenes.iter().map(|scene| work_precision::compare(scene, extent, || one_more(&bar))).collect();
     bar.finish_and_clear();
     comparisons
 }
 
 /// The page of the report.
 const PAGE: &str = "index.html";
+/// The scene of the terminal, and the accuracy of its cut.
+const FIRST: &str = "contact-separation-passive";
+const ACCURACY: f64 = 1e-2;
+/// Rows of the charts in the terminal.
+const ROWS: [usize; 2] = [7, 15];
+/// Columns of the table in the terminal.
+const COLUMNS: [Column<'_>; 8] = [
+    ("", "mark", Digits::Word),
+    ("method", "method", Digits::Word),
+    ("precision", "precision", Digits::Word),
+    ("step or tolerance", "control", Digits::Word),
+    ("error", "error", Digits::Exponent(1)),
+    ("µs", "us_per_s", Digits::Fixed(1.0, 1)),
+    ("over auto", "over_auto", Digits::Fixed(1.0, 2)),
+    ("steps", "steps_per_s", Digits::Fixed(1.0, 0)),
+];
 
-/// Runs the short comparison, prints it and writes the report.
+/// Shows one scene, error against run time on it, and what it does not need; then writes the report of all scenes.
 pub fn run_default() -> Result<(), Failure> {
-    let scenes = shipped(&[], &Extent::SHORT)?;
     let (outputs, folder) = (Outputs::of_shipped(SHIPPED_SCENES), report_folder());
     outputs.check_in("", &folder, &[PAGE])?;
-    let comparisons = compare(&scenes, &Extent::SHORT)?;
-    print(&table::text(&comparisons))?;
+    let mut scene = scene_file::read(&scene_file::shipped(FIRST), &[])?;
+    scene.file = PathBuf::from(FIRST).with_extension("toml");
+    print(
+        "Simulates vibration energy harvesters by the library that runs on the microcontroller of a node,\n\
+         and compares its results and run times with an independent reference and with other methods.\n\n",
+    )?;
+    print(&motion_of(&scene)?)?;
+    print(&cut(&scene)?)?;
+    let found = compare(std::slice::from_ref(&scene), &Extent::FIRST)?;
+    found.iter().try_for_each(|comparison| print(&errors(comparison)))?;
+    print(&folded(
+        "All scenes, methods and precisions follow in report/index.html. More: work-precision (every method), stability \
+         (extreme scenes), run SCENE.toml (one scene), --help (all commands).",
+        0,
+    ))?;
+    print("\n")?;
+    let comparisons = compare(&shipped(&[], &Extent::SHORT)?, &Extent::SHORT)?;
     let page = report(&comparisons)?;
     make_folder(&folder)?;
     let file = folder.join(PAGE);
     outputs.write(&file, &page)?;
     note(&format!("report: {}", file.display()));
     Ok(())
+}
+
+/// A scene in a line, and its last periods.
+fn motion_of(scene: &Scene) -> Result<String, Failure> {
+    let span_s = motion::span_s(scene);
+    let every_s = motion::every_s(scene, span_s);
+    let outcome = run_scene(scene, &Options { trace_every_s: Some(every_s), ..Options::default() })?;
+    let series = Series::of("run", scene, &outcome);
+    let usual = motion::usual(scene, "", &series, every_s);
+    let quantities = ["gap_m", "voltage_v"].map(str::to_owned).to_vec();
+    let wanted = Wanted { views: &[View::History], quantities, ..usual };
+    let picture = motion::picture(&wanted, &[series])?;
+    let power = outcome.mean_power_w.map_or_else(String::new, |power| with_unit(power, "W"));
+    let charts: String = picture.charts.iter().map(|chart| terminal(chart, ROWS[0])).collect();
+    Ok(format!(
+        "{}: a charged dielectric and a sprung mass that hits it\n{}; mean power {power}\n\n{charts}\n",
+        scene.file.display(),
+        setting(scene, &[])
+    ))
+}
+
+/// What a scene does not need, and what leaving it out saves.
+fn cut(scene: &Scene) -> Result<String, Failure> {
+    let study = Study::with_corners(scene, &[], ACCURACY)?;
+    let needs = study.needs(|_| ())?;
+    let numerics = cheapest(&study, (&needs.cut_scene, false), |_| ());
+    let Some(cheapest) = numerics.iter().find(|found| found.setting.precision == Precision::F32) else {
+        return Ok(String::new());
+    };
+    let auto = Options { precision: Some(Precision::F64), ..Options::default() };
+    let [whole, whole_auto] = [cheapest.setting.options(), auto].map(|options| {
+        let options = Options { bare: true, blocks: false, ..options };
+        let runs = (0..5).filter_map(|_| run_scene(scene, &options).ok());
+        1e6 * least(&runs.map(|run| run.processor_s / scene.run.duration_s).collect::<Vec<_>>()).0
+    });
+    let parts: Vec<String> = needs.cut.iter().map(|part| part.name()).collect();
+    let text = format!(
+        "Left out of it at an accuracy of {} %: {}. The mean power changes by {:.2} %, and a simulated second takes {:.0} µs \
+         of this processor in f32 with the longest steps that hold this accuracy, {whole:.0} µs with all parts, and \
+         {whole_auto:.0} µs with all parts as auto runs it in f64. The command needs says this of any scene.",
+        100.0 * ACCURACY,
+        if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") },
+        100.0 * cheapest.change.mean_power.unwrap_or(f64::NAN).abs(),
+        1e6 * cheapest.host_s_per_s,
+    );
+    Ok(folded(&text, 0) + "\n\n")
+}
+
+/// Error against run time on one scene: a chart, a table and the meaning of its columns.
+fn errors(comparison: &Comparison) -> String {
+    let auto = |row: &&Row| row.variant.method == Method::Auto;
+    let is_shown = |row: &&Row| {
+        let Variant { method, precision, control, .. } = row.variant;
+        let is_double = precision == Precision::F64
+            && (method == Method::Rk4 || !matches!(control, Control::PerPeriod { .. }));
+        auto(row) || is_double
+    };
+    let time = |row: &Row| row.found.as_ref().map_or(f64::INFINITY, |found| found.ns_per_s);
+    let of_auto = comparison.rows.iter().find(auto).map_or(f64::NAN, time);
+    let mut shown: Vec<&Row> = comparison.rows.iter().filter(is_shown).collect();
+    shown.sort_by(|one, other| time(one).total_cmp(&time(other)));
+    let row = |row: &&Row| {
+        let Variant { method, precision, control, .. } = row.variant;
+        let is_reference = method == Method::Reference && control == Control::Default;
+        let control = match control {
+            Control::PerPeriod { steps, .. } => format!("{steps} steps a period"),
+            Control::Default => String::new(),
+            other => other.to_string(),
+        };
+        let mark = if auto(row) {
+            "->"
+        } else if is_reference || comparison.reaches_target(row) {
+            ""
+        } else {
+            "x"
+        };
+        let found = row.found.as_ref();
+        fields(&json!({
+            "mark": mark,
+            "method": method_name(&row.variant),
+            "precision": precision.name(),
+            "control": control,
+            "error": comparison.error(row),
+            "us_per_s": found.map(|found| found.ns_per_s / 1e3),
+            "over_auto": found.map(|found| found.ns_per_s / of_auto),
+            "steps_per_s": found.map(|found| found.steps_per_s),
+        }))
+    };
+    let rows = Rows(shown.iter().map(row).collect());
+    let asked = comparison.target_error();
+    let notes = folded(
+        &format!(
+            "->: recommended, what auto takes. x: an error above the asked {asked:.0e}, or no result. step or tolerance: steps \
+             in a period of the excitation, or the relative tolerance of an adaptive step. error: of the mean power, relative \
+             to the reference. µs: time of this processor for a simulated second, the least of some runs; over auto: that \
+             over the time of auto in f64. steps: taken and rejected in a simulated second.",
+        ),
+        0,
+    );
+    format!(
+        "Error against run time, in f64; lower and further left is better\n{}\n{}\n{notes}\n\n",
+        terminal(&short_chart(comparison), ROWS[1]),
+        rows.table(presets::ASCII_MARKDOWN, &COLUMNS, 4)
+    )
 }

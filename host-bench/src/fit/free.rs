@@ -35,8 +35,8 @@ impl std::str::FromStr for Asked {
         }
         let Some(range) = range else { return Ok(Self { key, bounds: None }) };
         let (low, high) = range.split_once(':').ok_or(FORM)?;
-        let number = |name: &str, text: &str| match text.trim().parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
+        let number = |name: &str, text: &str| match scene_file::number_of(&key, text) {
+            Some(value) if value.is_finite() => Ok(value),
             _ => Err(format!("{key}: {name} = {text:?} must be a finite number")),
         };
         let (low, high) = (number("LOW", low)?, number("HIGH", high)?);
@@ -86,6 +86,18 @@ impl Free {
         // The rounding of the logarithm must not leave the bounds.
         let is_at = |end: &f64| (value - end).abs() <= 1e-14 * end.abs();
         [self.low, self.high].into_iter().find(is_at).unwrap_or(value)
+    }
+
+    /// The value at a coordinate, within the bounds.
+    pub(crate) fn within(&self, coordinate: f64) -> f64 {
+        self.value(coordinate).clamp(self.low, self.high)
+    }
+
+    /// Whether an interval is more than half of the range between the bounds, by the values or by the coordinates.
+    pub(crate) fn covers_most(&self, interval: [f64; 2]) -> bool {
+        let most = |[low, high]: [f64; 2], [first, last]: [f64; 2]| high - low > 0.5 * (last - first);
+        most(interval, [self.low, self.high])
+            || most(interval.map(|value| self.coordinate(value)), self.ends())
     }
 
     /// The derivative of the value by the coordinate.

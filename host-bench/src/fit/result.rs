@@ -65,6 +65,32 @@ pub(crate) struct FitResult {
     pub(crate) curves: Vec<Curve>,
 }
 
+/// Whether a parameter is a part of a combination.
+fn is_part(combinations: &[Vec<f64>], index: usize) -> bool {
+    combinations.iter().any(|combination| combination[index] != 0.0)
+}
+
+/// The combinations of parameters that the data do not determine, with each parameter whose interval covers most of its bounds.
+fn undetermined(
+    (problem, solved): (&Problem<'_>, &Solved),
+    uncertainty: &Uncertainty,
+    is_free: impl Fn(usize) -> bool,
+    t: f64,
+) -> Vec<Vec<f64>> {
+    let count = problem.free.len();
+    let mut all = uncertainty.undetermined.clone();
+    let is_wide = |index: &usize| {
+        let error = uncertainty.standard_error(*index);
+        let parameter = Parameter::of(&problem.free[*index], solved.at[*index], Some(error), t);
+        parameter.interval_95.is_some_and(|ends| problem.free[*index].covers_most(ends))
+    };
+    let wide = (0..count).filter(|index| is_free(*index) && !is_part(&all, *index)).filter(is_wide);
+    for index in wide.collect::<Vec<_>>() {
+        all.push((0..count).map(|other| f64::from(other == index)).collect());
+    }
+    all
+}
+
 impl FitResult {
     pub(super) fn new(
         problem: &Problem<'_>,
@@ -74,10 +100,10 @@ impl FitResult {
         freedom: usize,
     ) -> Self {
         let count = problem.free.len();
-        let is_undetermined =
-            |index: usize| uncertainty.undetermined.iter().any(|combination| combination[index] != 0.0);
-        let known = |index: usize| is_free[index] && !is_undetermined(index) && freedom > 0;
         let t = quantile(u32::try_from(freedom).unwrap_or(u32::MAX), CONFIDENCE);
+        let is_free = |index: usize| is_free[index] && freedom > 0;
+        let undetermined = undetermined((problem, solved), uncertainty, is_free, t);
+        let known = |index: usize| is_free(index) && !is_part(&undetermined, index);
         let parameters = (0..count).map(|index| {
             let error = known(index).then(|| uncertainty.standard_error(index));
             let parameter = Parameter::of(&problem.free[index], solved.at[index], error, t);
@@ -96,8 +122,7 @@ impl FitResult {
             (0..count).map(of).collect()
         });
         let names = problem.free.iter().map(|free| free.name.clone());
-        let undetermined = uncertainty
-            .undetermined
+        let undetermined = undetermined
             .iter()
             .map(|parts| names.clone().zip(parts.iter().copied()).filter(|(_, part)| *part != 0.0).collect());
         Self {
@@ -256,7 +281,7 @@ fn rows(found: &FitResult) -> Rows {
 const COLUMNS: [Column<'_>; 7] = [
     ("key", "key", Digits::Word),
     ("value", "value", Digits::Exponent(5)),
-    ("standard error", "standard_error", Digits::Exponent(5)),
+    ("standard error", "standard_error", Digits::Exponent(2)),
     ("95 % from", "low_95", Digits::Exponent(5)),
     ("to", "high_95", Digits::Exponent(5)),
     ("start", "start", Digits::Exponent(5)),
@@ -312,7 +337,7 @@ impl Parameter {
     pub(super) fn of(free: &Free, at: f64, error: Option<f64>, quantile: f64) -> Self {
         let value = free.value(at);
         let interval =
-            error.map(|error| [at - quantile * error, at + quantile * error].map(|end| free.value(end)));
+            error.map(|error| [at - quantile * error, at + quantile * error].map(|end| free.within(end)));
         Self {
             key: free.name.clone(),
             value,
@@ -321,6 +346,34 @@ impl Parameter {
             start: free.start,
             at_bound: free.is_at_bound(value),
             is_written: true,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_stays_inside_its_bounds_and_one_over_most_of_them_determines_nothing() {
+        let of = |unit| Free {
+            name: "parameters.restitution.coefficient".to_owned(),
+            place: Place::Key,
+            start: 0.8,
+            low: 0.0,
+            high: 1.0,
+            is_bounded: false,
+            unit,
+        };
+        // A coordinate that is the logarithm, and one that is the value.
+        for (free, wide, narrow) in [(of(None), 9.0, 0.02), (of(Some(0.8)), 8.62 / 0.8, 0.02)] {
+            let at = free.coordinate(0.952);
+            let interval = |error| Parameter::of(&free, at, Some(error), 1.96).interval_95.expect("an error");
+            let [low, high] = interval(wide);
+            assert!((0.0..0.01).contains(&low) && high == 1.0, "{low} {high}");
+            assert!(free.covers_most([low, high]));
+            let [low, high] = interval(narrow);
+            assert!(low > 0.9 && high < 1.0 && !free.covers_most([low, high]), "{low} {high}");
         }
     }
 }

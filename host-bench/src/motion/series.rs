@@ -105,7 +105,8 @@ impl Series {
 
     /// The columns that a picture shows where none are asked for: position, force, voltages or power.
     pub(crate) fn usual_quantities(&self) -> Vec<String> {
-        let has = |name: &&str| self.columns.iter().any(|column| column == name);
+        let has =
+            |name: &&str| self.over_time(name).iter().any(|(_, value)| value.is_finite() && *value != 0.0);
         let wanted = [
             "gap_m",
             "displacement_m",
@@ -163,8 +164,16 @@ const MOST_LINES: f64 = 4000.0;
 /// Frequency in Hz and amplitude of lines up to a frequency, one over the length of the record apart, by the sum over the
 /// rows, at equal distances, of the last part of a window. A Hann window keeps a line that is between two from spreading: a sine has its amplitude
 /// at its frequency, to 15 % between two lines.
-pub(super) fn amplitudes(points: &[(f64, f64)], [from, to]: [f64; 2], highest_hz: f64) -> Vec<(f64, f64)> {
+pub(super) fn amplitudes(
+    points: &[(f64, f64)],
+    [from, to]: [f64; 2],
+    highest_hz: f64,
+    period_s: Option<f64>,
+) -> Vec<(f64, f64)> {
     let length = (to - from).min(MOST_LINES / highest_hz);
+    // Of whole periods each harmonic is a line.
+    let whole = period_s.map(|period| (length / period * (1.0 + 1e-9)).floor() * period);
+    let length = whole.filter(|whole| *whole > 0.0).unwrap_or(length) * (1.0 + 1e-12);
     let rows: Vec<&(f64, f64)> =
         points.iter().filter(|(time, _)| (to - length..=to).contains(time)).collect();
     let (Some(first), Some(last), true) = (rows.first(), rows.last(), rows.len() > 2) else {

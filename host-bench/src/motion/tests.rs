@@ -13,7 +13,7 @@ fn the_spectrum_of_two_sines_has_their_amplitudes() {
             (time, 5.0 + 3.0 * (TAU * 20.0 * time).sin() + 0.5 * (TAU * 60.0 * time + 1.0).cos())
         })
         .collect();
-    let found = series::amplitudes(&rows, [0.0, 2.0], 200.0);
+    let found = series::amplitudes(&rows, [0.0, 2.0], 200.0, None);
     let near = |frequency: f64| {
         let around = found.iter().filter(|(other, _)| (other - frequency).abs() < 0.6);
         around.fold(0.0_f64, |most, (_, amplitude)| most.max(*amplitude))
@@ -22,7 +22,7 @@ fn the_spectrum_of_two_sines_has_their_amplitudes() {
     assert!((near(60.0) - 0.5).abs() < 0.01, "{}", near(60.0));
     // The mean is not a line, and nothing is between the lines.
     assert!(near(0.0) < 0.01 && near(40.0) < 1e-3 && near(150.0) < 1e-3);
-    assert_eq!(series::amplitudes(&rows[..1], [0.0, 2.0], 200.0), []);
+    assert_eq!(series::amplitudes(&rows[..1], [0.0, 2.0], 200.0, None), []);
 }
 
 fn run(name: &str, sets: &[(&str, &str)], every_s: f64) -> (Scene, Series) {

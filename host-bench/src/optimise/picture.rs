@@ -59,10 +59,12 @@ fn curve(found: &Optimum, request: &Request<'_>, key: &Range) -> Chart {
         points.iter().filter(move |(point, _)| point.feasible().is_some() == is_feasible).copied()
     };
     let best = place(&found.best).map(|place| (&found.best, place));
+    let others = found.others.iter().filter_map(|(point, _)| Some((point, place(point)?)));
     let curves = [
         Some(line.broken_at_jumps()),
         dots(request, ("runs", BLUE, 6.0), feasible(true)),
         dots(request, ("runs that break a constraint", BLACK, 5.0), feasible(false)),
+        dots(request, ("other optima", GREEN, 10.0), others.into_iter()),
         dots(request, ("the best point", VERMILION, 10.0), best.into_iter()),
     ];
     let up = Axis::linear(request.quantity.as_str(), FITTING, 7);
@@ -91,8 +93,13 @@ fn map(found: &Optimum, request: &Request<'_>, keys: [&Range; 2]) -> Chart {
     let place = |point: &Point| (keys[0].value(point.place[1]), keys[1].value(point.place[0]));
     let searched = searched.iter().map(|point| (point, place(point)));
     let best = std::iter::once((&found.best, place(&found.best)));
-    let runs = dots(request, ("runs of the searches", BLACK, 4.0), searched);
-    chart.curves.extend(runs.into_iter().chain(dots(request, ("the best point", VERMILION, 12.0), best)));
+    let optima = found.others.iter().map(|(point, _)| (point, place(point)));
+    let curves = [
+        dots(request, ("runs between the points and of the searches", BLACK, 4.0), searched),
+        dots(request, ("other optima", GREEN, 12.0), optima),
+        dots(request, ("the best point", VERMILION, 12.0), best),
+    ];
+    chart.curves.extend(curves.into_iter().flatten());
     let white = "white: no point of the grid has a value there and keeps the constraints";
     let notes = [
         chart.has_white().then_some(white),

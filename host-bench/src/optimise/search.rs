@@ -1,20 +1,24 @@
-//! The grid, the search from its best points, and how flat the optimum is.
+//! The search from the local maxima of the grid, and how flat the optima are.
 
 use std::cell::RefCell;
 
 use cobyla::{Func, RhoBeg, StopTols, minimize};
 use rayon::prelude::*;
 
+use super::grid::{MOST_OF_ALL, between, first, grid};
 use super::{Optimum, Point, Request};
 use crate::accuracy::run_as_it_is;
 use crate::attractors::add_branches;
 use crate::embedded;
 use crate::method::Failure;
 use crate::outcome::Outcome;
+use crate::report::svg::tick;
 use crate::shift::Best;
 
-/// Best points of the grid from which the search goes on.
-const FOLLOWED: usize = 3;
+/// Local maxima of the grid from which the search goes on.
+const FOLLOWED: usize = 4;
+/// Least part of the best value that another optimum has.
+const LISTED: f64 = 0.5;
 /// Runs of one search for each key.
 const RUNS: usize = 40;
 /// Most further searches from the best point, where there are several keys, and the part of the value that one must gain for
@@ -33,14 +37,15 @@ const FAILED: f64 = 0.1;
 
 /// Most runs over so many keys with a grid of so many points for each.
 pub(crate) const fn most_runs(keys: usize, grid: usize, is_constrained: bool) -> usize {
-    let searches = (FOLLOWED + if keys > 1 { AGAIN } else { 0 }) * RUNS * keys;
+    let searches = FOLLOWED * (1 + if keys > 1 { AGAIN } else { 0 }) * RUNS * keys;
     let aims = if is_constrained { 2 } else { 1 };
-    grid.pow(keys as u32) + aims * searches + most_at_the_end(keys)
+    (1 + MOST_OF_ALL) * grid.pow(keys as u32) + aims * searches + most_at_the_end(keys)
 }
 
 /// Most runs of the flat range, of the best point again and of its steady motion, and beside it.
 const fn most_at_the_end(keys: usize) -> usize {
-    2 * keys * (STEPS as usize + HALVINGS) + 2 + 2 * keys
+    let between_optima = 4 * FOLLOWED * FOLLOWED;
+    FOLLOWED * 2 * keys * (STEPS as usize + HALVINGS) + between_optima + 2 + 2 * keys
 }
 
 /// Finds the best point; calls `ahead` with the most runs that are still to come.
@@ -60,31 +65,32 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
             points.len()
         )));
     }
+    let between = between(&points, keys, request.grid);
+    ahead(between.places.len());
+    points.par_extend(between.places.par_iter().map(|place| request.point(place)));
     let is_level = values.len() > 1 && values.iter().all(|value| *value == values[0]);
+    let spacing = 1.0 / (request.grid - 1) as f64;
+    let mut ends = Vec::new();
     let aims: &[bool] = if request.constraints.is_empty() { &[true] } else { &[true, false] };
     for &constrained in aims {
-        let starts = best_of(&points, constrained, FOLLOWED);
-        ahead(starts.len() * RUNS * keys);
-        let found: Vec<Vec<Point>> =
-            starts.into_par_iter().map(|start| search(request, &points, &start, constrained)).collect();
-        points.extend(found.into_iter().flatten());
-        // One linear approximation does not follow a ridge to its end.
-        for _ in 0..if keys > 1 { AGAIN } else { 0 } {
-            let Some(start) = best_of(&points, constrained, 1).pop() else { break };
-            ahead(RUNS * keys);
-            points.extend(search(request, &points, &start, constrained));
-            let Some(end) = best_of(&points, constrained, 1).pop() else { break };
-            let [(lack, value), (less, larger)] = [&start, &end].map(|point| rank(point, constrained));
-            if less <= lack && larger - value <= GAIN * value.abs() {
-                break;
-            }
+        let starts = maxima(&points, constrained, spacing, FOLLOWED);
+        let rounds = 1 + if keys > 1 { AGAIN } else { 0 };
+        ahead(starts.len() * rounds * RUNS * keys);
+        let followed = |start| followed(request, &points, start, (constrained, &between.steps), rounds);
+        let (found, ran): (Vec<Point>, Vec<Vec<Point>>) = starts.into_par_iter().map(followed).unzip();
+        points.extend(ran.into_iter().flatten());
+        if constrained {
+            ends = found;
         }
     }
     let best = best_of(&points, true, 1).into_iter().find(|point| point.feasible().is_some());
     let Some(best) = best else { return Err(nowhere(request, &points)) };
     let unconstrained = (!request.constraints.is_empty()).then(|| best_of(&points, false, 1)[0].clone());
     ahead(most_at_the_end(keys));
-    let flat = flat(request, &best);
+    let flat_of = |point: &Point| flat(request, point);
+    let flat = flat_of(&best);
+    let others = others(request, &best, ends, spacing).into_iter();
+    let others = others.map(|point| (point.clone(), flat_of(&point))).collect();
     let scene = request.scene(&best.place)?;
     let mut outcome = request.counted(run_as_it_is(&scene, &request.options))?;
     if !request.single_start {
@@ -96,7 +102,107 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
     let doubts = level.into_iter().chain(doubt(request, &best, &outcome));
     let doubts = doubts.chain(request.unapproached(&outcome)).collect();
     let runs = request.runs.counts();
-    Ok(Optimum { best, unconstrained, flat, outcome, points, runs, doubts })
+    let searched = searched(request, between.places.len());
+    Ok(Optimum { best, unconstrained, flat, others, searched, outcome, points, runs, doubts })
+}
+
+/// The best point of at most `rounds` searches, each from the best point of the last, and all points that they ran: one linear
+/// approximation does not follow a ridge to its end.
+fn followed(
+    request: &Request<'_>,
+    points: &[Point],
+    mut start: Point,
+    (constrained, steps): (bool, &[f64]),
+    rounds: usize,
+) -> (Point, Vec<Point>) {
+    let mut ran = Vec::new();
+    for _ in 0..rounds {
+        ran.extend(search(request, points, &start, (constrained, steps)));
+        let Some(end) = best_of(&ran, constrained, 1).pop() else { break };
+        let [(lack, value), (less, larger)] = [&start, &end].map(|point| rank(point, constrained));
+        if (less, larger) > (lack, value) {
+            start = end;
+        }
+        if less <= lack && larger - value <= GAIN * value.abs() {
+            break;
+        }
+    }
+    (start, ran)
+}
+
+/// What was searched, and what was not.
+fn searched(request: &Request<'_>, between: usize) -> String {
+    let steps = request.ranges.iter().map(|range| {
+        let step = match range.is_logarithmic {
+            true => {
+                format!("a factor of {:.3}", (range.high / range.low).powf(1.0 / (request.grid - 1) as f64))
+            }
+            false => tick((range.high - range.low) / (request.grid - 1) as f64),
+        };
+        format!("{} in steps of {step}", range.key)
+    });
+    let steps: Vec<String> = steps.collect();
+    let finer = match between {
+        0 => String::new(),
+        count => format!(", with {count} points between them at the resonance"),
+    };
+    format!(
+        "{}{finer}, and from the best local maxima on. Not searched: peaks between the points that are narrower than a \
+         step and no resonance of one sine",
+        steps.join(", ")
+    )
+}
+
+/// The best of the points that no better one is near, within a spacing of the grid in each key; of one key the points that are
+/// better than both beside them.
+fn maxima(points: &[Point], constrained: bool, spacing: f64, count: usize) -> Vec<Point> {
+    let sorted = best_of(points, constrained, usize::MAX);
+    let near = |one: &Point, other: &Point| {
+        one.place.iter().zip(&other.place).all(|(one, other)| (one - other).abs() < 1.001 * spacing)
+    };
+    let mut along: Vec<&Point> = sorted.iter().collect();
+    along.sort_by(|one, other| one.place[0].total_cmp(&other.place[0]));
+    let is_maximum = |at: &usize| {
+        let point = &sorted[*at];
+        if point.place.len() > 1 {
+            return !sorted[..*at].iter().any(|better| near(better, point));
+        }
+        let place = along.iter().position(|other| other.place == point.place).unwrap_or(0);
+        let beside =
+            [place.checked_sub(1), Some(place + 1)].into_iter().flatten().filter_map(|at| along.get(at));
+        beside.into_iter().all(|other| rank(other, constrained) <= rank(point, constrained))
+    };
+    (0..sorted.len()).filter(is_maximum).take(count).map(|at| sorted[at].clone()).collect()
+}
+
+/// The ends of searches that are optima beside the best: between them and each better one the value falls below theirs.
+fn others(request: &Request<'_>, best: &Point, mut ends: Vec<Point>, spacing: f64) -> Vec<Point> {
+    let mut found = vec![best.clone()];
+    ends.sort_by(|one, other| {
+        other.feasible().unwrap_or(f64::NAN).total_cmp(&one.feasible().unwrap_or(f64::NAN))
+    });
+    let least = best.value().map_or(f64::INFINITY, |value| value - LISTED * value.abs());
+    for end in ends {
+        let Some(value) = end.feasible().filter(|value| *value >= least) else { continue };
+        let falls = |better: &Point| {
+            let is_near =
+                better.place.iter().zip(&end.place).all(|(one, other)| (one - other).abs() < 0.25 * spacing);
+            let middle = |part: f64| -> Vec<f64> {
+                better.place.iter().zip(&end.place).map(|(one, other)| one + part * (other - one)).collect()
+            };
+            let is_below = |part: &f64| {
+                request
+                    .point(&middle(*part))
+                    .feasible()
+                    .is_none_or(|between| between < value - GAIN * value.abs())
+            };
+            !is_near && [0.5, 0.25, 0.75, 0.9].iter().any(is_below)
+        };
+        if found.iter().all(falls) {
+            found.push(end);
+        }
+    }
+    found.split_off(1)
 }
 
 /// A warning where the value at the best point may be that of a lucky run.
@@ -113,48 +219,6 @@ fn doubt(request: &Request<'_>, best: &Point, outcome: &Outcome) -> Option<Strin
         at: &|place| signed(&request.point(place)),
     }
     .doubt()
-}
-
-/// The first points of the grid, one for each core, until one succeeds. Refuses bad input at a corner of the grid, and a
-/// quantity that cannot be sought.
-fn first(request: &Request<'_>, grid: &[Vec<f64>]) -> Result<Vec<Point>, Failure> {
-    let corners = grid.iter().filter(|place| place.iter().all(|part| *part == 0.0 || *part == 1.0));
-    for place in corners {
-        request.options.check_scene(&request.scene(place)?)?;
-    }
-    let mut points = Vec::new();
-    let mut reason = None;
-    for places in grid.chunks(rayon::current_num_threads().max(1)) {
-        let tried: Vec<_> = places.par_iter().map(|place| request.run(place)).collect();
-        // The first run that succeeds has the names.
-        let named = tried.iter().find_map(|tried| tried.as_ref().ok());
-        let is_done = named.map(|outcome| request.check_quantities(outcome)).transpose()?.is_some();
-        for (place, tried) in places.iter().zip(tried) {
-            let tried = request.counted(tried);
-            if let Err(failure) = &tried {
-                reason.get_or_insert_with(|| failure.to_string());
-            }
-            points.push(request.judged(place, tried.ok()));
-        }
-        if is_done {
-            return Ok(points);
-        }
-    }
-    let reason = reason.unwrap_or_default();
-    Err(Failure::Step(format!("all {} points of the grid fail, the first: {reason}", grid.len())))
-}
-
-/// The places of a grid, the last key running fastest.
-fn grid(keys: usize, count: usize) -> Vec<Vec<f64>> {
-    let mut all = vec![Vec::new()];
-    for _ in 0..keys {
-        let longer = |place: &Vec<f64>| {
-            let place = place.clone();
-            (0..count).map(move |index| [&place[..], &[index as f64 / (count - 1) as f64]].concat())
-        };
-        all = all.iter().flat_map(longer).collect();
-    }
-    all
 }
 
 /// What a point lacks of the constraints, at most 0, and its value: the higher the better, the first before the second.
@@ -180,7 +244,12 @@ fn best_of(points: &[Point], constrained: bool, count: usize) -> Vec<Point> {
 
 /// A search by linear approximations within the range and the constraints (M. J. D. Powell's COBYLA, 1994), with all points
 /// that it ran. The values are scaled by the spread of the grid; a run that fails is worse than all of them.
-fn search(request: &Request<'_>, known: &[Point], start: &Point, constrained: bool) -> Vec<Point> {
+fn search(
+    request: &Request<'_>,
+    known: &[Point],
+    start: &Point,
+    (constrained, steps): (bool, &[f64]),
+) -> Vec<Point> {
     let values = || known.iter().filter_map(Point::value);
     let (low, high) = values()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
@@ -209,7 +278,6 @@ fn search(request: &Request<'_>, known: &[Point], start: &Point, constrained: bo
     };
     let margins: Vec<_> = (0..if constrained { request.constraints.len() } else { 0 }).map(margin).collect();
     let margins: Vec<&dyn Func<()>> = margins.iter().map(|margin| margin as &dyn Func<()>).collect();
-    let spacing = 1.0 / (request.grid - 1) as f64;
     let tolerance = StopTols { xtol_abs: vec![WITHIN; start.place.len()], ..StopTols::default() };
     // Its own end is of no account: the best point that was run is taken.
     let _ = minimize(
@@ -219,7 +287,7 @@ fn search(request: &Request<'_>, known: &[Point], start: &Point, constrained: bo
         &margins,
         (),
         RUNS * start.place.len(),
-        RhoBeg::All(0.5 * spacing),
+        RhoBeg::Set(steps.to_vec()),
         Some(tolerance),
     );
     ran.into_inner()

@@ -30,6 +30,25 @@ pub(crate) fn with_unit(value: f64, unit: &str) -> String {
     format!("{} {prefix}{unit}", rounded(value * factor))
 }
 
+/// Values with their unit and as many digits, from three on, as tell them apart.
+pub(crate) fn distinct_labels(values: &[f64], unit: &str) -> Vec<String> {
+    // The prefix of a power, or of a kilogram, would be that of another unit.
+    let has_prefix =
+        !unit.is_empty() && !["m²", "m³", "kg", "g", "s²"].iter().any(|other| unit.starts_with(other));
+    let text = |value: &f64, digits: usize| {
+        let (prefix, factor) = if has_prefix { prefix(value.abs()) } else { ("", 1.0) };
+        let rounded: f64 = format!("{:.*e}", digits - 1, value * factor).parse().unwrap_or(value * factor);
+        let plain = rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs());
+        let number = if plain { rounded.to_string() } else { format!("{rounded:e}") };
+        format!("{number} {prefix}{unit}").trim_end().to_owned()
+    };
+    let texts = |digits: usize| values.iter().map(|value| text(value, digits)).collect::<Vec<_>>();
+    let differ = |texts: &Vec<String>| {
+        (1..texts.len()).all(|at| !texts[..at].contains(&texts[at]) || values[..at].contains(&values[at]))
+    };
+    (3..17).map(texts).find(differ).unwrap_or_else(|| texts(17))
+}
+
 /// The smallest of some margins to limits of a model, for the title of a picture after other text; empty for none.
 pub(crate) fn margin(all: impl IntoIterator<Item = f64>) -> String {
     let smallest = all.into_iter().min_by(f64::total_cmp);
@@ -82,6 +101,13 @@ pub(crate) fn setting(scene: &Scene, without: &[&str]) -> String {
 fn rounded(value: f64) -> String {
     let text = format!("{value:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// A [`label`] as its words and its unit, which may be empty.
+pub(crate) fn words_and_unit(key: &str) -> (String, String) {
+    let label = label(key);
+    let parts = label.strip_suffix(']').and_then(|text| text.split_once(" ["));
+    parts.map_or_else(|| (label.clone(), String::new()), |(words, unit)| (words.to_owned(), unit.to_owned()))
 }
 
 /// Table whose name says nothing of its keys.
@@ -137,6 +163,17 @@ mod tests {
             assert_eq!(with_unit(value, "W"), expected);
         }
         assert_eq!(with_unit(1e8, "Ω"), "100 MΩ");
+    }
+
+    #[test]
+    fn labels_of_different_values_differ() {
+        assert_eq!(distinct_labels(&[0.0325, 0.033, 0.0335], "m"), ["32.5 mm", "33 mm", "33.5 mm"]);
+        assert_eq!(distinct_labels(&[1.0, 1.00001, 1.00001], "Hz"), ["1 Hz", "1.00001 Hz", "1.00001 Hz"]);
+        assert_eq!(distinct_labels(&[1e3, 1e6, 0.0, f64::INFINITY], "Ω"), ["1 kΩ", "1 MΩ", "0 Ω", "inf Ω"]);
+        assert_eq!(distinct_labels(&[2e-3, 4e-8], "kg"), ["0.002 kg", "4e-8 kg"]);
+        assert_eq!(distinct_labels(&[0.5], ""), ["0.5"]);
+        assert_eq!(words_and_unit("parameters.beam_length_m"), ("beam length".to_owned(), "m".to_owned()));
+        assert_eq!(words_and_unit("parameters.damping_ratio"), ("damping ratio".to_owned(), String::new()));
     }
 
     #[test]

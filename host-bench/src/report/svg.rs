@@ -138,7 +138,12 @@ pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
 /// The range of the values, with a margin.
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = extremes(values);
-    let margin = if high > low { 0.05 * (high - low) } else { low.abs().max(1e-300) };
+    let margin = match high > low {
+        true => 0.05 * (high - low),
+        // One value has a range as large as itself; 0 has that of 1.
+        false if low == 0.0 => 1.0,
+        false => low.abs().max(1e-300),
+    };
     (low - margin, high + margin)
 }
 

@@ -323,14 +323,18 @@ pub(crate) struct Extent {
     pub(crate) runs: usize,
     /// Seconds of processor time after which a row that was timed twice is not run again.
     pub(crate) seconds_per_row: f64,
+    /// Of how many pairs of a precision and elementary functions, the polynomials in both precisions first.
+    pub(crate) backends: usize,
     /// Whether all methods are run with all math backends, all peers and all steps.
     pub(crate) whole: bool,
 }
 
 impl Extent {
-    pub(crate) const WHOLE: Self = Self { runs: 5, seconds_per_row: 3.0, whole: true };
+    pub(crate) const WHOLE: Self = Self { runs: 5, seconds_per_row: 3.0, backends: usize::MAX, whole: true };
     /// What fits in half a minute.
-    pub(crate) const SHORT: Self = Self { runs: 5, seconds_per_row: 0.3, whole: false };
+    pub(crate) const SHORT: Self = Self { seconds_per_row: 0.3, backends: 2, whole: false, ..Self::WHOLE };
+    /// What fits in some seconds for one scene.
+    pub(crate) const FIRST: Self = Self { seconds_per_row: 0.1, backends: 1, ..Self::SHORT };
 }
 
 #[cfg(test)]

@@ -19,8 +19,9 @@ fn shipped(resistance_ohm: &str) -> Scene {
 #[test]
 fn the_error_falls_with_the_step_and_rows_that_do_not_differ_are_left_out() {
     let scene = shipped("1e8");
-    let comparison = compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, whole: false }, || ())
-        .expect("the reference runs");
+    let comparison =
+        compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, backends: 5, whole: false }, || ())
+            .expect("the reference runs");
     let power_error = |steps: u32| {
         let row = comparison.rows.iter().find(|row| {
             row.variant.method == Method::TrBdf2
@@ -82,8 +83,9 @@ fn a_slider_is_compared_by_its_amplitude() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/sliding.toml");
     let overrides = [Override::new("run.duration_s", "0.6"), Override::new("run.settle_s", "0.3")];
     let scene = scene_file::read(&file, &overrides).expect("the shipped scene is valid");
-    let comparison = compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, whole: false }, || ())
-        .expect("the reference runs");
+    let comparison =
+        compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, backends: 5, whole: false }, || ())
+            .expect("the reference runs");
     let error = |method: Method, steps: u32| {
         let row = comparison.rows.iter().find(|row| {
             row.variant.method == method

@@ -76,6 +76,7 @@ fn errors(outcome: &Outcome, reference: &Outcome) -> Errors {
 /// The name of the method: the name of the peer where the integrator of the reference runs at another tolerance.
 pub(crate) fn method_name(variant: &Variant) -> &'static str {
     match (variant.method, variant.control) {
+        (Method::Auto, Control::Default) => "auto",
         (Method::Auto | Method::ExponentialRadau, Control::PerPeriod { .. }) => {
             "exponential Radau, fixed step"
         }
@@ -154,7 +155,7 @@ pub(super) fn variants(scene: &Scene, extent: &Extent) -> Vec<Variant> {
     let period_s = period(scene);
     let explicit = explicit_steps(scene, period_s);
     let mut variants = Vec::new();
-    for (precision, math) in BACKENDS {
+    for (precision, math) in BACKENDS.into_iter().take(extent.backends) {
         let variant = |method, control| Variant { method, precision, math: Some(math), control };
         let mut fixed = |method, steps: &[u32]| {
             // A longer step is refused.
@@ -173,6 +174,11 @@ pub(super) fn variants(scene: &Scene, extent: &Extent) -> Vec<Variant> {
         {
             variants.extend(tolerances.iter().map(|&value| variant(method, Control::Tolerance(value))));
         }
+    }
+    if !extent.whole {
+        let auto =
+            |precision| Variant { method: Method::Auto, precision, math: None, control: Control::Default };
+        variants.extend([Precision::F64, Precision::F32].map(auto));
     }
     let peers = if extent.whole { &PEER[..] } else { &PEER[..2] };
     variants.extend(peers.iter().map(|&tolerance| Variant::reference(Control::Tolerance(tolerance))));

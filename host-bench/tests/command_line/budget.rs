@@ -336,3 +336,31 @@ fn what_a_node_must_not_be_is_refused() {
     let bump_stop = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
     refused(&["budget", bump_stop, "--exact"], &["node: is missing"]);
 }
+
+/// A node that is off does not know the income of those hours; the capacitance that it needs does not depend on it.
+#[test]
+fn the_capacitance_for_wishes_is_that_of_a_node_that_is_never_off() {
+    let with = |capacitance: f64| {
+        let set = format!("node.storage.capacitance_f={capacitance}");
+        json("budget-capacitance", &["--set", &set, "--set", "node.standing_power_w=0"])
+    };
+    let locked = with(0.02);
+    assert!(number(&locked, "lockouts") > 0.0, "{locked}");
+    let needed = number(&locked, "capacitance_for_wishes_f");
+    let day = with(needed);
+    let runs = day["actions"]
+        .as_array()
+        .expect("actions")
+        .iter()
+        .map(|one| number(one, "wished_runs") - number(one, "runs"));
+    assert!(runs.clone().all(|missing| missing < 1.5), "{needed}: {day}");
+    // With less, wishes are missed.
+    let less = with(0.6 * needed);
+    let missed: f64 = less["actions"]
+        .as_array()
+        .expect("actions")
+        .iter()
+        .map(|one| number(one, "wished_runs") - number(one, "runs"))
+        .sum();
+    assert!(missed > 5.0, "{less}");
+}

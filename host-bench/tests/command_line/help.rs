@@ -1,6 +1,6 @@
 //! The texts of `--help`.
 
-use super::tool::accepted;
+use super::tool::{PASSIVE, accepted};
 
 /// The names of the commands.
 fn commands() -> Vec<String> {
@@ -89,5 +89,29 @@ fn slow_commands_state_how_long_they_take() {
     for command in slow {
         let help = accepted(&[command, "--help"]);
         assert!(help.contains("Run time:"), "{command}: {help}");
+    }
+}
+
+#[test]
+fn what_people_read_has_at_most_a_hundred_columns() {
+    let short = "run={duration_s=0.5,settle_s=0.25}";
+    let over = ["--over", "load.resistance_ohm=1M:100M:2", "--over", "excitation.frequency_hz=20:21:2"];
+    let sweep = ["sweep", PASSIVE, "--steady-state", "--no-accuracy", "--set", short];
+    let scene = |name: &str| format!("{}/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let [beam, none, fit] = ["bump-stop", "bump-stop-none", "measured/contact-separation"].map(scene);
+    let few = ["--set", "run={duration_s=0.02,settle_s=0.01}", "--no-accuracy"];
+    for arguments in [
+        vec!["run", PASSIVE, "--set", short],
+        [&["run", beam.as_str()], &few[..]].concat(),
+        [&sweep[..], &over].concat(),
+        vec!["closed-form", &none],
+        vec!["needs", PASSIVE, "--accuracy", "0.1"],
+        vec!["fit", &fit],
+        vec!["resonance", PASSIVE, "--from", "19", "--to", "22"],
+        vec!["attractors", PASSIVE, "--starts", "4", "--set", short],
+    ] {
+        let told = accepted(&arguments);
+        let wide = told.lines().find(|line| line.chars().count() > 100);
+        assert!(wide.is_none(), "{}: {wide:?}", arguments[0]);
     }
 }

@@ -83,7 +83,7 @@ fn an_error_above_the_value_is_not_a_value() {
 #[test]
 fn a_coarse_recording_is_told_how_many_samples_it_needs() {
     let folder = folder("coarse-recording");
-    let mut samples = String::from("acceleration_m_per_s2\n");
+    let mut samples = String::from("a\n");
     for row in 0..=300 {
         let _ = writeln!(samples, "{}", (std::f64::consts::TAU * 20.1 * 0.01 * f64::from(row)).sin());
     }
@@ -94,7 +94,7 @@ fn a_coarse_recording_is_told_how_many_samples_it_needs() {
         &folder,
         "scene.toml",
         format!(
-            "{}[excitation]\nkind = \"file\"\npath = \"recorded.csv\"\nrate_hz = 100\nscale_m_per_s2 = 0.2\n\
+            "{}[excitation]\nkind = \"file\"\npath = \"recorded.csv\"\nrate_hz = 100\ncolumn = 1\nscale_m_per_s2 = 0.2\n\
              [run]\nduration_s = 3.0\nsettle_s = 1.0\n",
             &shipped[..from]
         ),

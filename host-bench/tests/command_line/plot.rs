@@ -114,3 +114,68 @@ fn a_warning_of_several_runs_is_told_once() {
     assert_eq!(told.matches("model: fringing").count(), 1, "{told}");
     assert!(told.contains("3 of 3 runs: model: fringing"), "{told}");
 }
+
+/// A beam without a stop has no contact force.
+#[test]
+fn nothing_that_is_not_there_is_drawn() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
+    for name in ["none.svg", "none.html"] {
+        let file = folder("plot-none").join(name);
+        let short =
+            ["--set", "run={duration_s=0.1,settle_s=0.05}", "--output", file.to_str().expect("plain")];
+        accepted(&[&["plot", scene], &short[..]].concat());
+        let picture = std::fs::read_to_string(&file).expect("the picture");
+        assert!(picture.contains("tip displacement") && !picture.contains("contact force"), "{name}");
+        assert!(!picture.contains(">NaN<") && !picture.contains("[0,0,0,0,0"), "{name}");
+    }
+}
+
+/// The voltage repeats with each period of 1/20.5 s: there is nothing between its harmonics but noise.
+#[test]
+fn a_periodic_motion_has_no_subharmonics() {
+    let page = folder("plot-spectrum").join("spectrum.html");
+    let set = ["--set", "load.resistance_ohm=10M"];
+    let drawn =
+        ["plot", PASSIVE, set[0], set[1], "--view", "spectrum", "--output", page.to_str().expect("plain")];
+    accepted(&drawn);
+    let html = std::fs::read_to_string(&page).expect("the page");
+    let data =
+        html.split("const charts = ").nth(1).and_then(|rest| rest.split(";\n").next()).expect("charts");
+    let charts: serde_json::Value = serde_json::from_str(data).expect("JSON");
+    let numbers = |key: &str| -> Vec<f64> {
+        let all = charts[0]["curves"][0][key].as_array().expect("a list");
+        all.iter().map(|value| value.as_f64().expect("a number")).collect()
+    };
+    let (frequencies, lines) = (numbers("x"), numbers("y"));
+    let largest = lines.iter().copied().fold(0.0, f64::max);
+    let part = |frequency: f64| (frequency / 20.5 - (frequency / 20.5).round()).abs();
+    let between = frequencies.iter().zip(&lines).filter(|(frequency, _)| part(**frequency) > 0.2);
+    let noise = between.map(|(_, line)| *line).fold(0.0, f64::max);
+    assert!(noise < 2e-5 * largest, "{noise} beside {largest}");
+    assert!(html.contains("noise of a line"), "the noise floor is marked");
+}
+
+#[test]
+fn a_scene_comes_from_standard_input_and_a_picture_goes_to_standard_output() {
+    use std::io::Write;
+    use std::process::{Command, Stdio};
+    let mut child = Command::new(env!("CARGO_BIN_EXE_host-bench"))
+        .args(["plot", "-", "--view", "history", "--output", "-", SHORT[0], SHORT[1]])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let text = std::fs::read(PASSIVE).expect("the scene");
+    child.stdin.take().expect("a pipe").write_all(&text).expect("written");
+    let output = child.wait_with_output().expect("it ends");
+    let picture = String::from_utf8(output.stdout).expect("text");
+    assert!(
+        output.status.success() && picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"),
+        "{picture}"
+    );
+    refused(
+        &["run", PASSIVE, "--picture", "-", "--trace", "-", "--trace-every", "1e-3"],
+        &["another output"],
+    );
+}

@@ -65,7 +65,7 @@ fn a_resistance_may_be_nothing_or_infinite_but_not_negative_or_absurd() {
 #[test]
 fn a_text_where_a_number_stands() {
     for (key, context, _, bound) in numbers() {
-        for (written, shown) in [("3 mm", "\"3 mm\""), ("\"1\"", "\"1\""), ("1,5", "\"1,5\"")] {
+        for (written, shown) in [("3 apples", "\"3 apples\""), ("\"1\"", "\"1\""), ("1,5", "\"1,5\"")] {
             let change = format!("{key}={written}");
             let mut overrides = context.to_vec();
             overrides.push(&change);

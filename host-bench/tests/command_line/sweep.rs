@@ -52,10 +52,7 @@ fn a_grid_has_a_row_for_each_point_and_a_picture() {
     let picture = std::fs::read_to_string(output.join("sweep.svg")).expect("the picture");
     assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
     let page = std::fs::read_to_string(output.join("sweep.html")).expect("the page");
-    assert!(
-        page.contains("load.resistance_ohm = 1e7") && !page.contains("src="),
-        "a page needs no other file"
-    );
+    assert!(page.contains("load resistance = 10 MΩ") && !page.contains("src="), "a page needs no other file");
     for label in ["load resistance [Ω]", "excitation frequency [Hz]", "mean power [µW]", "10⁷", "19.5"] {
         assert!(picture.contains(label), "{label} is in the picture");
     }
@@ -82,7 +79,9 @@ fn one_axis_makes_curves() {
     let picture = std::fs::read_to_string(folder.join("sweep.svg")).expect("the picture");
     assert!(picture.matches("<polyline").count() > 2);
     assert_eq!(picture.matches("h0").count(), 6, "three points, two quantities");
-    assert!(accepted(&sweep(&["--over", over])).lines().count() == 4, "a heading and three rows");
+    let table = accepted(&sweep(&["--over", over]));
+    let is_row = |line: &&str| line.trim_start().starts_with(|letter: char| letter.is_ascii_digit());
+    assert_eq!(table.lines().filter(is_row).count(), 3, "{table}");
 }
 
 #[test]

@@ -136,3 +136,35 @@ fn a_column_of_times_is_checked() {
         refused(&["run", &scene(clock), "--method", "reference"], &parts);
     }
 }
+
+#[test]
+fn the_unit_of_a_heading_counts() {
+    let folder = folder("headings");
+    let peak = |heading: &str, factor: f64, scale: &str| {
+        let row = |at: u32| (0.05 * std::f64::consts::PI * f64::from(at)).sin() * factor;
+        let rows: String =
+            (0..=200).map(|at| format!("{},{:e}\n", 2.5e-3 * f64::from(at), row(at))).collect();
+        file(&folder, "trace.csv", format!("Time (s),{heading}\n{rows}"));
+        let text = std::fs::read_to_string(scene(&folder, "path = \"trace.csv\"")).expect("written");
+        file(&folder, "scene.toml", text.replace("scale_m_per_s2 = 1.962", scale))
+    };
+    let gap = |scene: &str| outcome(scene, &[])["peak_gap_m"].as_f64().expect("a gap");
+    let expected = gap(&peak("x", 1.962, "scale_m_per_s2 = 1.0"));
+    for (heading, factor, scale) in [
+        ("Acceleration (g)", 0.2, ""),
+        ("Beschleunigung (g)", 0.2, ""),
+        ("Beschleunigung (g)", 0.2, "scale_m_per_s2 = 9.81"),
+        ("acceleration_m_per_s2", 1.962, ""),
+        ("a [mm/s²]", 1962.0, ""),
+    ] {
+        let found = gap(&peak(heading, factor, scale));
+        assert!((found / expected - 1.0).abs() < 1e-9, "{heading}: {found} {expected}");
+    }
+    let contradicted = peak("Acceleration (g)", 0.2, "scale_m_per_s2 = 1.0");
+    refused(
+        &["run", &contradicted],
+        &["excitation.scale_m_per_s2 = 1", "must be 9.81", "\"Acceleration (g)\""],
+    );
+    let unknown = peak("Acceleration (V)", 0.2, "");
+    refused(&["run", &unknown], &["excitation.scale_m_per_s2", "is missing", "(m/s²)"]);
+}

@@ -1,7 +1,7 @@
 //! An outcome as text: a table for people, JSON and CSV for programs.
 
 use clap::ValueEnum;
-use comfy_table::{CellAlignment, Row, Table, TableStyle};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Row, Table, TableStyle, Width};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -50,7 +50,9 @@ pub fn text(of: &impl Serialize, format: Format) -> String {
         Format::Table => {
             let fields = flattened(fields);
             let width = fields.keys().map(String::len).max().unwrap_or(0);
-            let line = |(name, value): (&String, &Value)| format!("{name:<width$}  {}\n", shown(value));
+            let line = |(name, value): (&String, &Value)| {
+                folded(&format!("{name:<width$}  {}", shown(value)), width + 2) + "\n"
+            };
             fields.iter().map(line).collect()
         }
     }
@@ -99,7 +101,50 @@ pub fn csv_sections(sections: impl Iterator<Item = (String, String)>) -> String 
     text
 }
 
-/// A table for a terminal, line break included: the columns beyond the first `words` stand at the right.
+/// Most columns of a text for people.
+pub const WIDTH: usize = 100;
+
+/// A text in lines of at most [`WIDTH`] columns, broken at spaces, the further ones behind `indent` spaces; a longer word has a
+/// line of its own.
+pub fn folded(text: &str, indent: usize) -> String {
+    let (mut all, mut column) = (String::new(), 0);
+    for word in text.split(' ') {
+        let length = word.chars().count();
+        if column > indent && column + 1 + length > WIDTH {
+            all += &format!("\n{:indent$}{word}", "");
+            column = indent + length;
+        } else {
+            let space = if column == 0 && all.is_empty() { "" } else { " " };
+            all += space;
+            all += word;
+            column += space.len() + length;
+        }
+    }
+    all
+}
+
+/// The parts of a heading, behind each of which it may be broken.
+fn parts(heading: &str) -> impl Iterator<Item = &str> {
+    heading.split_inclusive(['_', '.', ' ', '/'])
+}
+
+/// A heading in lines of at most `width` columns, a longer part in one of its own.
+fn broken(heading: &str, width: usize) -> String {
+    let (mut all, mut column) = (String::new(), 0);
+    for part in parts(heading) {
+        let length = part.trim_end().chars().count();
+        if column > 0 && column + length > width {
+            all.push('\n');
+            column = 0;
+        }
+        all += part;
+        column += part.chars().count();
+    }
+    all
+}
+
+/// A table for a terminal, line break included: the columns beyond the first `words` stand at the right. Where it would be wider
+/// than [`WIDTH`], headings and words take several lines, and numbers one.
 pub fn table<R: Into<Row>>(
     style: TableStyle,
     headings: impl Into<Row>,
@@ -107,7 +152,31 @@ pub fn table<R: Into<Row>>(
     words: usize,
 ) -> String {
     let mut table = Table::new();
-    table.load_style(style).set_header(headings).add_rows(rows);
+    let headings: Row = headings.into();
+    table.load_style(style).set_header(headings.clone()).add_rows(rows);
+    if table.trim_fmt().lines().any(|line| line.chars().count() > WIDTH) {
+        let cells = |column: usize| table.row_iter().filter_map(move |row| row.cell_iter().nth(column));
+        let widths = headings.cell_iter().enumerate().map(|(column, heading)| {
+            let of_parts = parts(&heading.content()).map(|part| part.trim_end().chars().count()).max();
+            let of_cells = cells(column).map(|cell| cell.content().chars().count()).max();
+            of_parts.max(of_cells).unwrap_or(0)
+        });
+        let widths: Vec<usize> = widths.collect();
+        let broken: Vec<String> =
+            headings.cell_iter().zip(&widths).map(|(cell, width)| broken(&cell.content(), *width)).collect();
+        table.set_header(broken).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH as u16);
+        // Names are not broken where numbers follow, unless they are long and the numbers leave no room.
+        let fits = widths.first().is_some_and(|first| *first <= 12)
+            || widths.iter().map(|width| width + 3).sum::<usize>() < WIDTH;
+        let is_whole = |column: usize| column >= words || (column == 0 && fits && words < widths.len());
+        for (column, width) in table.column_iter_mut().zip(&widths) {
+            if is_whole(column.index) {
+                let padding = usize::from(column.padding_width());
+                column
+                    .set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed((width + padding) as u16)));
+            }
+        }
+    }
     for column in table.column_iter_mut().skip(words) {
         column.set_cell_alignment(CellAlignment::Right);
     }

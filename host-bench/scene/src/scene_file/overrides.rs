@@ -4,11 +4,11 @@ use std::path::Path;
 
 use toml::de::DeTable;
 
-use super::KEYS;
 use super::document::{
     Content, Document, Node, OLD_KEYS, Origin, SceneError, convert, entry, kind_of, line_of,
 };
-use super::key::{Kind, walk};
+use super::key::{Key, Kind, Value, walk};
+use super::{GRAVITY, KEYS, rows_of};
 use crate::input::{MOST_OF_SCENE, read};
 
 /// A value to put into the document before it is read: `a.b=c`.
@@ -24,7 +24,11 @@ impl Override {
     #[must_use]
     pub fn new(key: &str, value: &str) -> Self {
         let parts: Vec<&str> = key.split('.').map(str::trim).collect();
-        Self { key: current(&parts).join("."), value: value.trim().to_owned(), option: "--set" }
+        let key = current(&parts).join(".");
+        // A document has plain numbers.
+        let number = number_of(&key, value).filter(|_| value.trim().parse::<f64>().is_err());
+        let value = number.map_or_else(|| value.trim().to_owned(), |number| format!("{number:e}"));
+        Self { key, value, option: "--set" }
     }
 
     /// The same of another option than `--set`, which an error then names.
@@ -189,6 +193,61 @@ fn inner<'a>(content: &'a mut Content, key: &str, origin: Origin) -> Option<&'a 
     }
 }
 
+/// Prefixes of units and their powers of ten.
+const PREFIXES: [(&str, i32); 12] = [
+    ("", 0),
+    ("f", -15),
+    ("p", -12),
+    ("n", -9),
+    ("u", -6),
+    ("µ", -6),
+    ("μ", -6),
+    ("m", -3),
+    ("k", 3),
+    ("M", 6),
+    ("G", 9),
+    ("T", 12),
+];
+
+/// A number for a key on a command line: plain, or with a prefix of a unit, with the unit of the key, or with both, such as
+/// `10M`, `33kΩ`, `20us` or, for an acceleration, `0.2g`. A letter that is a prefix is one: `5m` of a length is 5 mm.
+#[must_use]
+pub fn number_of(key: &str, text: &str) -> Option<f64> {
+    let text = text.trim();
+    if let Ok(plain) = text.parse() {
+        return Some(plain);
+    }
+    let is_number = |text: &&str| text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+    let parts = text.char_indices().rev().map(|(at, _)| text.split_at(at));
+    let (digits, suffix) =
+        parts.filter(|(head, _)| is_number(head)).find(|(head, _)| head.parse::<f64>().is_ok())?;
+    let rows = rows_of(key);
+    let unit = rows.first()?.unit;
+    let is_of_number = |row: &&Key| {
+        matches!(row.value, Value::Number(_) | Value::NumberOrLimits(_) | Value::Whole(_) | Value::Among(_))
+    };
+    if !rows.iter().all(is_of_number) {
+        return None;
+    }
+    // A key whose unit depends on its kind takes a prefix alone.
+    let unit = if rows.iter().all(|row| row.unit == unit) { unit } else { "" };
+    let ascii = unit.replace('Ω', "ohm").replace('²', "2");
+    let units = [("", 1.0), (unit, 1.0), (ascii.as_str(), 1.0), ("g", GRAVITY)];
+    let units = if unit == "m/s²" { &units[..] } else { &units[..3] };
+    let suffix = suffix.trim();
+    let found = units.iter().find_map(|(unit, factor)| {
+        let prefix = suffix.strip_suffix(unit)?;
+        PREFIXES.iter().find(|(name, _)| *name == prefix).map(|(_, power)| (*power, factor))
+    });
+    let (power, factor) = found?;
+    // The digits with their power of ten are read together, so that no rounding is between.
+    let value = match digits.contains(['e', 'E']) {
+        true => digits.parse::<f64>().ok()? * 10f64.powi(power),
+        false => format!("{digits}e{power}").parse().ok()?,
+    };
+    Some(value * factor)
+}
+
 /// The parts of a key, by the names of this version.
 fn current<'a>(parts: &[&'a str]) -> Vec<&'a str> {
     let renamed = OLD_KEYS.iter().find(|[table, old, _]| parts.starts_with(&[table, old]));
@@ -223,6 +282,50 @@ pub fn contains(table: &str, key: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_has_the_prefix_of_a_unit_and_the_unit_of_its_key() {
+        for (key, text, expected) in [
+            ("load.resistance_ohm", "10M", Some(10e6)),
+            ("load.resistance_ohm", "33kΩ", Some(33e3)),
+            ("load.resistance_ohm", "4.7 kohm", Some(4700.0)),
+            ("load.resistance_ohm", "1e3k", Some(1e6)),
+            ("load.resistance_ohm", "inf", Some(f64::INFINITY)),
+            ("stop.gap_m", "5m", Some(5e-3)),
+            ("stop.gap_m", "20u", Some(20e-6)),
+            ("stop.gap_m", "20µm", Some(20e-6)),
+            ("stop.gap_m", "20 um", Some(20e-6)),
+            ("excitation.frequency_hz", "20Hz", Some(20.0)),
+            ("excitation.tones.0.frequency_hz", "1kHz", Some(1e3)),
+            ("excitation.amplitude_m_per_s2", "0.2g", Some(1.962)),
+            ("excitation.amplitude_m_per_s2", "200mg", Some(1.962)),
+            ("excitation.amplitude_m_per_s2", "2m/s2", Some(2.0)),
+            ("excitation.amplitude_g", "0.2g", Some(0.2)),
+            ("excitation.lines", "1k", Some(1e3)),
+            ("load.resistance_ohm", "5V", None),
+            ("load.resistance_ohm", "2g", None),
+            ("load.resistance_ohm", "M", None),
+            ("load.resistance_ohm", "10 K", None),
+            ("excitation.path", "5m", None),
+            ("excitation.column", "5m", None),
+            ("no.key", "5m", None),
+            // In ohms, amperes or watts.
+            ("load.draw.value", "3u", Some(3e-6)),
+            ("load.draw.value", "3uW", None),
+        ] {
+            let found = number_of(key, text);
+            let is_same = match (found, expected) {
+                (Some(found), Some(expected)) => {
+                    found == expected || (found / expected - 1.0_f64).abs() < 1e-15
+                }
+                (found, expected) => found.is_none() && expected.is_none(),
+            };
+            assert!(is_same, "{key} = {text}: {found:?}");
+        }
+        assert_eq!(Override::new("load.resistance_ohm", "33k").value(), "3.3e4");
+        assert_eq!(Override::new("load.resistance_ohm", "33_000").value(), "33_000");
+        assert_eq!(Override::new("excitation.path", "5m").value(), "5m");
+    }
 
     #[test]
     fn a_key_replaces_itself_its_parts_and_its_alternative() {

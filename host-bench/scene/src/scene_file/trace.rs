@@ -34,7 +34,8 @@ pub(super) static FILE: Kind = Kind {
         .or(Default::Said("the first whose heading names a time")),
         number("rate_hz", "Hz", between(1e-3, 1e6), "Samples per second")
             .or(Default::Said("that of the times or of the WAV file, else required")),
-        number("scale_m_per_s2", "m/s²", between(-1e6, 1e6), "Acceleration for each unit of the file"),
+        number("scale_m_per_s2", "m/s²", between(-1e6, 1e6), "Acceleration for each unit of the file")
+            .or(Default::Said("the unit in the heading of the column, else required")),
         other("repeat", Value::Flag, "Whether the recording begins again at its end")
             .or(Default::Flag(false)),
     ],
@@ -55,8 +56,8 @@ struct Asked {
     column: Option<Column>,
     clock: AskedClock,
     rate_hz: Option<f64>,
-    /// Factor from a number of the file to m/s².
-    scale: f64,
+    /// Factor from a number of the file to m/s², where the scene file has one.
+    scale: Option<f64>,
 }
 
 /// Which column of a table has the times of the samples.
@@ -127,6 +128,9 @@ impl Column {
     }
 }
 
+/// The key of the acceleration for each unit of the file.
+const SCALE: &str = "scale_m_per_s2";
+
 /// A number of the file, read at `place`, times `scale`, in m/s².
 fn scaled(value: f64, scale: f64, place: impl FnOnce() -> String) -> Result<f64, TraceFault> {
     let scaled = value * scale;
@@ -156,7 +160,7 @@ pub(super) fn path(section: &mut Section<'_>) -> Option<PathBuf> {
 
 /// Reads the keys of an excitation from a file, and the file.
 pub(super) fn trace(section: &mut Section<'_>) -> Result<Trace, SceneError> {
-    let scale = section.number("scale_m_per_s2")?;
+    let scale = section.optional_number(SCALE)?;
     let repeat = section.flag("repeat")?;
     let column = Column::optional(section, "column", Column::WANTED)?;
     let Some(full) = path(section) else {
@@ -169,7 +173,9 @@ pub(super) fn trace(section: &mut Section<'_>) -> Result<Trace, SceneError> {
         if section.has("time_column") {
             return Err(section.refuse("time_column", "unknown key for a WAV file, which has no times"));
         }
-        wave::samples(&full, column.as_ref(), scale, rate_hz, bound)
+        scale
+            .ok_or_else(|| TraceFault::missing(SCALE, section.bound(SCALE).to_string()))
+            .and_then(|scale| wave::samples(&full, column.as_ref(), scale, rate_hz, bound))
     } else {
         let clock = AskedClock::read(section)?;
         table::samples(&full, &Asked { column, clock, rate_hz, scale }, bound)

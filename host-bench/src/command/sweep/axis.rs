@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use crate::scene_file::number_of;
+
 /// Most points on one axis.
 const MOST: usize = 100_000;
 
@@ -66,8 +68,8 @@ impl FromStr for Axis {
         if key.is_empty() {
             return Err(FORM.to_owned());
         }
-        let number = |name: &str, text: &str| match text.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
+        let number = |name: &str, text: &str| match number_of(key, text) {
+            Some(value) if value.is_finite() => Ok(value),
             _ => Err(format!("{name} = {text:?} must be a finite number")),
         };
         let (from, to) = (number("FROM", from)?, number("TO", to)?);

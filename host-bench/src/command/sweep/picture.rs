@@ -3,8 +3,8 @@
 use super::axis::Axis;
 use crate::report::Picture;
 use crate::report::chart::{self, Chart, Curve, FITTING, Mark};
-use crate::report::setting::{label, scaled};
-use crate::report::svg::{BLUE, VERMILION, shade, tick};
+use crate::report::setting::{distinct_labels, label, scaled, words_and_unit};
+use crate::report::svg::{BLUE, VERMILION, shade};
 
 /// Most curves of one chart.
 const MOST: usize = 24;
@@ -101,17 +101,20 @@ fn map(words: Labels<'_>, axes: [&Axis; 2], (name, values): &(String, Vec<Option
 /// A curve over the axis for each value of the rows, or for every so many of them.
 fn family(rows: &Axis, axis: &Axis, (name, values): &(String, Vec<Option<f64>>)) -> Chart {
     let every = rows.count().div_ceil(MOST);
-    let curve = |row: usize| {
+    let (words, unit) = words_and_unit(&rows.key);
+    let drawn: Vec<usize> = (0..rows.count()).step_by(every).collect();
+    let labels = distinct_labels(&drawn.iter().map(|row| rows.value(*row)).collect::<Vec<_>>(), &unit);
+    let curve = |(&row, label): (&usize, &String)| {
         let value = |column: usize| values.get(row * axis.count() + column).copied().flatten();
         let points = (0..axis.count()).filter_map(|column| Some((axis.value(column), value(column)?)));
         // The lightest yellow would not be seen on white.
         let colour = shade(row as f64, 0.0, 1.15 * (rows.count() - 1) as f64);
-        let name = format!("{} = {}", rows.key, tick(rows.value(row)));
-        Curve::new(name, colour, Mark::Dotted([1.6, 5.0]), points).broken_at_jumps()
+        Curve::new(format!("{words} = {label}"), colour, Mark::Dotted([1.6, 5.0]), points).broken_at_jumps()
     };
-    let curves = (0..rows.count()).step_by(every).map(curve).collect();
+    let curves = drawn.iter().zip(&labels).map(curve).collect();
     let chart = Chart::new("", across(axis), chart::Axis::linear(name.as_str(), FITTING, 7), curves);
-    let note = if every > 1 { format!("One of {every} values of {}.", rows.key) } else { String::new() };
+    let note = format!("{} of the {} values of {words} are drawn.", drawn.len(), rows.count());
+    let note = if every > 1 { note } else { String::new() };
     Chart { note, is_of_page: true, ..chart.grouped("over", 360) }
 }
 
@@ -188,8 +191,8 @@ mod tests {
             page.split("\"shades\":[").nth(1).and_then(|rest| rest.split(']').next()).expect("a map");
         assert_eq!(shades.matches("null").count(), 1);
         assert_eq!(shades.split(',').count(), 12);
-        for value in ["1000", "1e4", "1e5"] {
-            assert!(page.contains(&format!("\"name\":\"load.resistance_ohm = {value}\"")), "{value}");
+        for value in ["1 kΩ", "10 kΩ", "100 kΩ"] {
+            assert!(page.contains(&format!("\"name\":\"load resistance = {value}\"")), "{value}");
         }
         assert_eq!(page.matches("\"named\":").count(), 3);
     }

@@ -18,7 +18,7 @@ fn every_method_converges_and_the_explicit_one_fails_where_it_must() {
     ]
     .map(|(key, value)| Override::new(key, value));
     let scene = scene_file::read(&file, &overrides).expect("valid");
-    let extent = Extent { runs: 1, seconds_per_row: 1.0, whole: false };
+    let extent = Extent { runs: 1, seconds_per_row: 1.0, backends: 5, whole: false };
     let steps = std::cell::Cell::new(0);
     let comparison = compare(&scene, &extent, || steps.set(steps.get() + 1)).expect("runs");
     assert_eq!(steps.get(), length(&scene, &extent));

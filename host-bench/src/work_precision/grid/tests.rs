@@ -44,7 +44,8 @@ fn the_summary_counts_what_is_dear_and_what_is_off() {
             missed: 2,
         }
     );
-    assert!(text(&grid).contains("| rk4 T/96"));
+    let text = text(&grid);
+    assert!(text.contains("rk4") && text.contains("T/96"), "{text}");
     let csv = csv(&grid);
     assert!(
         csv.starts_with("scene,load_ohm,force_law,excitation,accuracy,auto_tolerance,auto_error,"),

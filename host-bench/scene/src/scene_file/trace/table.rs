@@ -26,12 +26,8 @@ pub(super) fn samples(path: &Path, asked: &Asked, bound: Bound) -> Result<(Vec<f
         .delimiter(delimiter.byte())
         .trim(Trim::All)
         .from_reader(text.as_bytes());
-    let mut rows = Rows {
-        scale: asked.scale,
-        numbers: Numbers::new(delimiter),
-        samples: Vec::new(),
-        times: Some(Times::default()),
-    };
+    let mut rows =
+        Rows { numbers: Numbers::new(delimiter), samples: Vec::new(), times: Some(Times::default()) };
     let mut layout: Option<Layout> = None;
     for record in reader.records() {
         let record = record.map_err(|error| one_line(&error))?;
@@ -59,7 +55,6 @@ pub(super) fn samples(path: &Path, asked: &Asked, bound: Bound) -> Result<(Vec<f
 
 /// The rows that were read.
 struct Rows {
-    scale: f64,
     numbers: Numbers,
     samples: Vec<f64>,
     /// `None` where a column that might have had times has something else.
@@ -88,7 +83,7 @@ impl Rows {
                 }
             }
         }
-        self.samples.push(scaled(value, self.scale, || format!("line {line}"))?);
+        self.samples.push(scaled(value, layout.scale, || format!("line {line}"))?);
         Ok(())
     }
 }

@@ -3,8 +3,9 @@
 use csv::StringRecord;
 
 use super::super::clock::unit_of;
-use super::super::{Asked, AskedClock, Column, TraceFault};
+use super::super::{Asked, AskedClock, Column, SCALE, TraceFault};
 use crate::input::repeated;
+use crate::scene_file::GRAVITY;
 
 /// The heading of a column of samples that is found without being named.
 const ACCELERATION: &str = "acceleration_m_per_s2";
@@ -15,6 +16,8 @@ const TIME: &str = "time_s";
 #[derive(Debug, Clone)]
 pub(super) struct Layout {
     pub(super) sample: usize,
+    /// Acceleration in m/s² for each unit of the samples.
+    pub(super) scale: f64,
     pub(super) clock: Option<Clock>,
     pub(super) has_heading: bool,
     /// Number of columns of the first row.
@@ -72,7 +75,14 @@ impl Layout {
             Some(column) => place(column, "column", first, line)?,
             None => only_other(first, clock, has_heading)?,
         };
-        Ok(Self { sample, clock, has_heading, width: width(first) })
+        let heading = first.get(sample).filter(|_| has_heading).unwrap_or_default();
+        Ok(Self {
+            sample,
+            scale: scale(heading, asked.scale, line)?,
+            clock,
+            has_heading,
+            width: width(first),
+        })
     }
 
     /// Refuses a row with more columns than the first: the rest of a number with a decimal comma.
@@ -102,6 +112,50 @@ impl Layout {
             return Err(TraceFault::missing("column", Column::WANTED));
         }
         Ok(())
+    }
+}
+
+/// Units of acceleration, in lower case with `2` for a square, and their size in m/s².
+const UNITS: [(&str, f64); 7] = [
+    ("m/s2", 1.0),
+    ("m_per_s2", 1.0),
+    ("mm/s2", 1e-3),
+    ("mm_per_s2", 1e-3),
+    ("g", GRAVITY),
+    ("mg", 1e-3 * GRAVITY),
+    ("g0", GRAVITY),
+];
+/// Relative difference of a stated scale from the unit of the heading up to which both are the same: other values of g.
+const SAME: f64 = 1e-3;
+
+/// The unit in m/s² of the accelerations in a column with this heading: in brackets, or as its last word.
+fn unit(heading: &str) -> Option<f64> {
+    let lower = heading.to_lowercase().replace("**2", "2").replace("^2", "2").replace('²', "2");
+    let bracketed = lower.trim_end_matches([')', ']']);
+    let of = |text: &str| UNITS.iter().find(|(name, _)| *name == text.trim()).map(|(_, size)| *size);
+    if bracketed.len() < lower.len() {
+        return of(bracketed.rsplit(['(', '[']).next()?);
+    }
+    UNITS.iter().find_map(|(name, size)| {
+        let before = lower.strip_suffix(name)?;
+        // A sensitivity in mV/g is no acceleration.
+        (before.ends_with(['_', ' ', '/']) && !before.ends_with("v/")).then_some(*size)
+    })
+}
+
+/// The acceleration in m/s² for each unit of a column with this heading, of which one or the `stated` scale says it.
+fn scale(heading: &str, stated: Option<f64>, line: u64) -> Result<f64, TraceFault> {
+    match (unit(heading), stated) {
+        (Some(unit), Some(stated)) if !((stated.abs() / unit - 1.0).abs() <= SAME) => {
+            let text = format!(
+                "line {line}: must be {unit} by the unit in the heading {heading:?}, or left out, or the heading be without a unit"
+            );
+            Err(TraceFault::new(SCALE, text))
+        }
+        (unit, stated) => stated.or(unit).ok_or_else(|| {
+            let wanted = "a number of m/s², or the heading of the column have a unit such as (g) or (m/s²)";
+            TraceFault::missing(SCALE, wanted)
+        }),
     }
 }
 
@@ -175,4 +229,38 @@ fn only_other(first: &StringRecord, clock: Option<Clock>, has_heading: bool) -> 
         };
         TraceFault::missing("column", wanted)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_heading_names_the_unit_of_an_acceleration() {
+        for (heading, expected) in [
+            ("Acceleration (g)", Some(9.81)),
+            ("Beschleunigung [g]", Some(9.81)),
+            ("acc_x_g", Some(9.81)),
+            ("Acceleration/g", Some(9.81)),
+            ("a (mg)", Some(9.81e-3)),
+            ("acceleration_m_per_s2", Some(1.0)),
+            ("Acceleration (m/s²)", Some(1.0)),
+            ("acc in m/s^2", Some(1.0)),
+            ("a [mm/s2]", Some(1e-3)),
+            ("Sensor (mV/g)", None),
+            ("sensor mV/g", None),
+            ("Acceleration (V)", None),
+            ("velocity (m/s)", None),
+            ("jogging", None),
+            ("x", None),
+            ("", None),
+        ] {
+            let found = unit(heading);
+            let is_same = match (found, expected) {
+                (Some(found), Some(expected)) => (found / expected - 1.0_f64).abs() < 1e-12,
+                (found, expected) => found.is_none() && expected.is_none(),
+            };
+            assert!(is_same, "{heading:?}: {found:?}");
+        }
+    }
 }
