@@ -70,8 +70,9 @@ pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
     let io_error = |source| Error::Io { core, source };
 
     let all = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
-    // A directory for each board: the cores are built side by side.
-    let target_directory = workspace.join(all).join("on-target").join(hardware.board);
+    // A directory for each thread that builds: one build does not wait for the lock of another.
+    let directory = workspace.join(all).join("on-target");
+    let target_directory = directory.join(rayon::current_thread_index().unwrap_or(0).to_string());
     let status = toolchain
         .cargo("build", hardware.target)
         .args(is_quiet().then_some("--quiet"))
@@ -89,10 +90,12 @@ pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
         return Err(Error::Cargo(core));
     }
 
-    // A copy for each variant, because the next build overwrites this one. A target directory for each would compile
-    // `core` and the dependencies again.
+    // A copy for each board and variant, because the next build overwrites this one. A target directory for each
+    // would compile `core` and the dependencies again.
     let built = target_directory.join(hardware.target).join(binary.profile()).join(binary.name);
-    let to = target_directory.join(binary.variant.unwrap_or(binary.name).replace("::", "-"));
+    let copy = directory.join(hardware.board);
+    fs::create_dir_all(&copy).map_err(io_error)?;
+    let to = copy.join(binary.variant.unwrap_or(binary.name).replace("::", "-"));
     fs::copy(built, &to).map(|_| to).map_err(io_error)
 }
 

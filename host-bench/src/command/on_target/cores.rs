@@ -13,7 +13,6 @@ use crate::scene_file::{Draw, ForceLaw, Load, Model, RectifiedStore};
 /// Settling time of the bump-stop runs in seconds: their first sample.
 const SETTLE_S: f64 = 0.5;
 
-const BOARD: Column = ("board in QEMU", |row| row.core.hardware().board.to_owned());
 const SCENE: Column = ("scene", |row| row.case.name.clone());
 const RUN: Column = ("run", |row| row.case.name.clone());
 
@@ -45,7 +44,6 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
     let count = samples(&bench_rows) + samples(&other_rows);
     let columns = [
         rows::CORE,
-        BOARD,
         SCENE,
         rows::PER_STEP,
         rows::PER_SECOND,
@@ -54,7 +52,7 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
         rows::STATIC_RAM,
         rows::STACK,
     ];
-    output.rows(&bench_rows, &columns, 3, &bench_note());
+    output.rows(&bench_rows, &columns, 2, &bench_note());
     let columns = [rows::CORE, RUN, rows::METHOD, rows::PER_STEP, rows::PER_SECOND, rows::ERROR, rows::STACK];
     output.rows(&other_rows, &columns, 3, &other_note(count));
     Ok(())
