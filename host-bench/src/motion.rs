@@ -290,7 +290,9 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let off = |(one, other): (&(f64, f64), &(f64, f64))| {
         if is_noise(one.0) { (one.1 - other.1).abs() } else { 0.0 }
     };
-    let noise = wanted.coarse.map(|coarse| all[0].iter().zip(&of(coarse)).map(off).fold(0.0, f64::max));
+    // Within a few periods every line is beside a harmonic.
+    let coarse = wanted.coarse.filter(|_| all[0].iter().any(|line| is_noise(line.0)));
+    let noise = coarse.map(|coarse| all[0].iter().zip(&of(coarse)).map(off).fold(0.0, f64::max));
     let mut curves: Vec<Curve> = coloured(series)
         .zip(all)
         .map(|((one, colour), points)| {

@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_bias_counts_above_its_standard_error() {
-        // By hand: means 2 and 2, squares 2 + 2, variance 4/4 = 1; near starts differ by as much.
+        // By hand: means 2 and 2, squares 2 + 2, variance 4/4 = 1; near starts differ by twice as much.
         let scattered = [1.0, 3.0];
         let found = of(&[1.0, 2.0, 3.0], &[1.0, 2.0, 3.0], scattered).expect("enough");
         assert_eq!([found.mean_j, found.bias_j], [2.0, 0.0]);

@@ -122,7 +122,7 @@ fn picture(
     let accurate = motion::of_spectrum(scene, options);
     let [fine, coarse] = accurate.map_or([None, None], |all| all.map(|options| recorded(&options).ok()));
     let series = Series::of("run", scene, fine.as_ref().unwrap_or(outcome));
-    let coarse = coarse.map(|outcome| Series::of("run", scene, &outcome));
+    let coarse = coarse.filter(|_| fine.is_some()).map(|outcome| Series::of("run", scene, &outcome));
     let words = setting(scene, &[]) + &margin(outcome.margins.smallest_margin);
     let title = motion::title(file, &outcome.method, &words);
     let usual = motion::usual(scene, &title, &series, every_s);

@@ -79,9 +79,15 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
         make_folder(&folder)?;
         [PAGE, CASES].iter().try_for_each(|name| outputs.check("--report", &folder.join(name)))?;
     }
-    let cases = cases(arguments);
-    let effort = |number| effort(arguments, number, &cases[number]);
-    let rows = judged(&cases, effort, arguments.output.as_deref())?;
+    if let (Some(case), Some(count)) = (arguments.case, arguments.random)
+        && case >= count
+    {
+        return Err(Failure::Input(format!("--case {case}: must be below the {count} of --random")));
+    }
+    let (cases, first) = (cases(arguments), arguments.case.unwrap_or(0) as usize);
+    let effort = |number| effort(arguments, first + number, &cases[number]);
+    let mut rows = judged(&cases, effort, arguments.output.as_deref())?;
+    rows.iter_mut().for_each(|row| row.number += first);
     let csv = || rows.iter().fold(Row::heading(), |text, row| text + &row.csv());
     print(&match arguments.format {
         Format::Table if arguments.case.is_none() => summary(&rows),

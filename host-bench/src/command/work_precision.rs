@@ -322,12 +322,12 @@ fn errors(comparison: &Comparison) -> String {
             Control::Default => String::new(),
             other => other.to_string(),
         };
-        let mark = if auto(row) {
-            "->"
-        } else if is_reference || comparison.reaches_target(row) {
-            ""
-        } else {
-            "x"
+        let is_off = !is_reference && !comparison.reaches_target(row);
+        let mark = match (auto(row), is_off) {
+            (true, false) => "->",
+            (true, true) => "-> x",
+            (false, false) => "",
+            (false, true) => "x",
         };
         let found = row.found.as_ref();
         fields(&json!({

@@ -93,9 +93,13 @@ impl Free {
         self.value(coordinate).clamp(self.low, self.high)
     }
 
-    /// Whether an interval is more than half of the range between the bounds, by the values or by the coordinates.
+    /// Whether an interval is more than half of the range between the bounds of the key, by the values or by the coordinates:
+    /// bounds that a user gives may be as narrow as what the data determine.
     pub(crate) fn covers_most(&self, interval: [f64; 2]) -> bool {
         let most = |[low, high]: [f64; 2], [first, last]: [f64; 2]| high - low > 0.5 * (last - first);
+        if self.is_bounded {
+            return false;
+        }
         most(interval, [self.low, self.high])
             || most(interval.map(|value| self.coordinate(value)), self.ends())
     }

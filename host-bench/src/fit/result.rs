@@ -372,6 +372,7 @@ mod tests {
             let [low, high] = interval(wide);
             assert!((0.0..0.01).contains(&low) && high == 1.0, "{low} {high}");
             assert!(free.covers_most([low, high]));
+            assert!(!Free { is_bounded: true, ..free.clone() }.covers_most([low, high]));
             let [low, high] = interval(narrow);
             assert!(low > 0.9 && high < 1.0 && !free.covers_most([low, high]), "{low} {high}");
         }

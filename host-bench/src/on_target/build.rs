@@ -70,7 +70,8 @@ pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
     let io_error = |source| Error::Io { core, source };
 
     let all = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
-    // A directory for each thread that builds: one build does not wait for the lock of another.
+    // A directory for each thread that builds: one build does not wait for the lock of another, and a directory for each board
+    // would compile the dependencies five times.
     let directory = workspace.join(all).join("on-target");
     let target_directory = directory.join(rayon::current_thread_index().unwrap_or(0).to_string());
     let status = toolchain
@@ -90,8 +91,7 @@ pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
         return Err(Error::Cargo(core));
     }
 
-    // A copy for each board and variant, because the next build overwrites this one. A target directory for each
-    // would compile `core` and the dependencies again.
+    // A copy for each board and variant, because the next build overwrites this one.
     let built = target_directory.join(hardware.target).join(binary.profile()).join(binary.name);
     let copy = directory.join(hardware.board);
     fs::create_dir_all(&copy).map_err(io_error)?;

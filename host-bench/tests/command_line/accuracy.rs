@@ -1,6 +1,6 @@
 //! `run --accuracy` is held by the statement of its own result.
 
-use super::tool::{PASSIVE, SHIPPED, host_bench};
+use super::tool::{PASSIVE, SHIPPED, accepted, host_bench, refused};
 
 const BUMP_STOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
 
@@ -19,6 +19,19 @@ fn found(scene: &str, more: &[&str]) -> (serde_json::Value, String) {
 fn stated(scene: &str, accuracy: &str, more: &[&str]) -> (f64, String) {
     let (outcome, told) = found(scene, &[&["--accuracy", accuracy], more].concat());
     (outcome["accuracy"]["total"].as_f64().expect("a statement"), told)
+}
+
+#[test]
+fn one_random_case_has_the_row_that_it_has_among_all() {
+    let rows = |more: &[&str]| -> Vec<serde_json::Value> {
+        let random = ["stability", "--random", "5", "--seed", "407", "--format", "json"];
+        serde_json::from_str(&accepted(&[&random, more].concat())).expect("rows")
+    };
+    let all = rows(&[]);
+    for number in [1, 4] {
+        assert_eq!(rows(&["--case", &number.to_string()]), all[number..=number]);
+    }
+    refused(&["stability", "--random", "5", "--case", "5"], &["--case 5", "below the 5 of --random"]);
 }
 
 /// At these accuracies the first run of each of the first three has a statement above what is asked for.

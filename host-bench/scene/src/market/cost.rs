@@ -8,7 +8,7 @@
 //! with `N` instructions of `c` cycles at `e` J, a sensor current `I` at `U` volts for the time `t` of the samples and
 //! the start-up, `b` bits at `e_b` J, and `n` wake-ups of the processor, each for `t_w` at its clock `f`. The standing
 //! power of the node, asleep with its clock running, is not part of a burst: [`CostModel::standing_power`]. Where an
-//! external clock switches the supply off between bursts ([`CostModel::gated_by`]), a burst has a cold start in place of
+//! external clock switches the supply off between bursts (`CostModel::gated_by`), a burst has a cold start in place of
 //! its first wake-up, and the sleep of the processor while it waits for samples.
 
 use serde::Deserialize;

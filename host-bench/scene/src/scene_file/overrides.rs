@@ -43,7 +43,7 @@ impl Override {
         &self.key
     }
 
-    /// The value, as it was written.
+    /// The value as a plain number or text: `33k` is `3.3e4`.
     #[must_use]
     pub fn value(&self) -> &str {
         &self.value
@@ -230,14 +230,17 @@ pub fn number_of(key: &str, text: &str) -> Option<f64> {
         return None;
     }
     // A key whose unit depends on its kind takes a prefix alone.
-    let unit = if rows.iter().all(|row| row.unit == unit) { unit } else { "" };
+    let unit = if unit != "1" && rows.iter().all(|row| row.unit == unit) { unit } else { "" };
     let ascii = unit.replace('Ω', "ohm").replace('²', "2");
     let units = [("", 1.0), (unit, 1.0), (ascii.as_str(), 1.0), ("g", GRAVITY)];
     let units = if unit == "m/s²" { &units[..] } else { &units[..3] };
     let suffix = suffix.trim();
     let found = units.iter().find_map(|(unit, factor)| {
         let prefix = suffix.strip_suffix(unit)?;
-        PREFIXES.iter().find(|(name, _)| *name == prefix).map(|(_, power)| (*power, factor))
+        // The prefix of a square metre is squared: none is taken.
+        let is_square = unit.starts_with("m²") || unit.starts_with("m2");
+        let found = PREFIXES.iter().find(|(name, _)| *name == prefix && (name.is_empty() || !is_square));
+        found.map(|(_, power)| (*power, factor))
     });
     let (power, factor) = found?;
     // The digits with their power of ten are read together, so that no rounding is between.
@@ -302,6 +305,11 @@ mod tests {
             ("excitation.amplitude_m_per_s2", "2m/s2", Some(2.0)),
             ("excitation.amplitude_g", "0.2g", Some(0.2)),
             ("excitation.lines", "1k", Some(1e3)),
+            // A prefix of a square is squared.
+            ("parameters.electrode_area_m2", "4e-4m2", Some(4e-4)),
+            ("parameters.electrode_area_m2", "400mm2", None),
+            ("parameters.electrode_area_m2", "400mm²", None),
+            ("parameters.relative_permittivity", "4k1", None),
             ("load.resistance_ohm", "5V", None),
             ("load.resistance_ohm", "2g", None),
             ("load.resistance_ohm", "M", None),

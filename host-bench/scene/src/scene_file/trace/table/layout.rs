@@ -125,6 +125,8 @@ const UNITS: [(&str, f64); 7] = [
     ("mg", 1e-3 * GRAVITY),
     ("g0", GRAVITY),
 ];
+/// Ends of what a sensor has for each g or m/s², in lower case.
+const SENSITIVITIES: [&str; 7] = ["v", "lsb", "count", "counts", "pc", "digit", "digits"];
 /// Relative difference of a stated scale from the unit of the heading up to which both are the same: other values of g.
 const SAME: f64 = 1e-3;
 
@@ -132,14 +134,24 @@ const SAME: f64 = 1e-3;
 fn unit(heading: &str) -> Option<f64> {
     let lower = heading.to_lowercase().replace("**2", "2").replace("^2", "2").replace('²', "2");
     let bracketed = lower.trim_end_matches([')', ']']);
-    let of = |text: &str| UNITS.iter().find(|(name, _)| *name == text.trim()).map(|(_, size)| *size);
+    // A capital G is no unit, and what is counted in something for each g is none of acceleration.
+    let is_capital = heading.trim_end_matches([')', ']', '0']).ends_with('G');
+    let is_sensitivity = |before: &str| {
+        let counted = before.trim_end().strip_suffix('/').map(str::trim_end);
+        counted.is_some_and(|counted| SENSITIVITIES.iter().any(|word| counted.ends_with(word)))
+    };
+    let size_of = |before: &str, name: &str| {
+        let (_, size) = UNITS.iter().find(|(unit, _)| *unit == name)?;
+        let is_other = is_sensitivity(before) || is_capital && name.starts_with('g');
+        (!is_other).then_some(*size)
+    };
     if bracketed.len() < lower.len() {
-        return of(bracketed.rsplit(['(', '[']).next()?);
+        let (before, name) = bracketed.rsplit_once(['(', '['])?;
+        return size_of(before, name.trim());
     }
-    UNITS.iter().find_map(|(name, size)| {
+    UNITS.iter().find_map(|(name, _)| {
         let before = lower.strip_suffix(name)?;
-        // A sensitivity in mV/g is no acceleration.
-        (before.ends_with(['_', ' ', '/']) && !before.ends_with("v/")).then_some(*size)
+        before.ends_with(['_', ' ', '/']).then(|| size_of(before, name)).flatten()
     })
 }
 
@@ -249,6 +261,10 @@ mod tests {
             ("a [mm/s2]", Some(1e-3)),
             ("Sensor (mV/g)", None),
             ("sensor mV/g", None),
+            ("Sensor mV/(m/s²)", None),
+            ("counts / g", None),
+            ("LSB/g", None),
+            ("Channel G", None),
             ("Acceleration (V)", None),
             ("velocity (m/s)", None),
             ("jogging", None),
