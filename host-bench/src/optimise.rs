@@ -312,6 +312,12 @@ pub(crate) struct Point {
 }
 
 impl Point {
+    /// Whether the key of an index is at an end of its range.
+    pub(crate) fn is_at_bound(&self, index: usize) -> bool {
+        let part = self.place[index];
+        part <= 1e-6 || part >= 1.0 - 1e-6
+    }
+
     /// Its value, if it keeps all constraints.
     pub(crate) fn feasible(&self) -> Option<f64> {
         self.found
@@ -364,10 +370,10 @@ impl Optimum {
         let of_point = |point: &Point| -> Map<String, Value> {
             Self::values(request, point).into_iter().map(|(key, value)| (key, json!(value))).collect()
         };
-        let keys = || request.ranges.iter().enumerate();
-        let ranges = |flat: &[[f64; 2]]| -> Map<String, Value> {
-            keys().map(|(index, range)| (range.key.clone(), json!(flat[index]))).collect()
+        let by_key = |of: &dyn Fn(usize) -> Value| -> Value {
+            request.ranges.iter().enumerate().map(|(index, range)| (range.key.clone(), of(index))).collect()
         };
+        let ranges = |flat: &[[f64; 2]]| by_key(&|index| json!(flat[index]));
         let other = |(point, flat): &(Point, Vec<[f64; 2]>)| {
             json!({
                 "value": point.value().map(|value| request.signed(value)),
@@ -376,12 +382,6 @@ impl Optimum {
             })
         };
         let others: Vec<Value> = self.others.iter().map(other).collect();
-        let at_bound: Map<String, Value> = keys()
-            .map(|(index, range)| {
-                let part = self.best.place[index];
-                (range.key.clone(), json!(part <= 1e-6 || part >= 1.0 - 1e-6))
-            })
-            .collect();
         let value = self.best.value();
         let mut all = Map::new();
         let mut put = |key: &str, value: Value| all.insert(key.to_owned(), value);
@@ -390,10 +390,10 @@ impl Optimum {
         put("sought", json!(if request.is_largest { "maximum" } else { "minimum" }));
         put("value", json!(value.map(|value| request.signed(value))));
         put("point", Value::Object(of_point(&self.best)));
-        put("range_within_1_percent", Value::Object(ranges(&self.flat)));
+        put("range_within_1_percent", ranges(&self.flat));
         put("other_optima", json!(others));
         put("searched", json!(self.searched));
-        put("at_bound", Value::Object(at_bound));
+        put("at_bound", by_key(&|index| json!(self.best.is_at_bound(index))));
         if let Some(without) = &self.unconstrained {
             let value_without = without.value();
             let cost = value_without.zip(value).map(|(without, with)| without - with);

@@ -25,7 +25,7 @@ pub use judge::{Class, Effort, Finding, Judge, judge};
 pub(crate) use page::{CASES, page};
 pub use random::{draw, draw_varied};
 pub use summary::cause;
-pub(crate) use summary::{Row, build, fnv_1a, summary};
+pub(crate) use summary::{build, fnv_1a, summary};
 
 /// A shipped scene with changed keys and the options of its run.
 #[derive(Debug, Clone, PartialEq)]

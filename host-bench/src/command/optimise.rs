@@ -207,9 +207,9 @@ fn for_people(found: &Optimum, request: &Request<'_>) -> String {
     let sought = if request.is_largest { "largest" } else { "smallest" };
     let _ = writeln!(text, "{sought} {}: {:.6e}", request.quantity, number("value"));
     let place = |point: &Point, flat: &[[f64; 2]], text: &mut String| {
-        for ((key, value), [low, high]) in Optimum::values(request, point).into_iter().zip(flat) {
-            let is_end = |range: &Range| range.key == key && (range.low == value || range.high == value);
-            let bound = if request.ranges.iter().any(is_end) { ", at its bound" } else { "" };
+        let values = Optimum::values(request, point).into_iter().zip(flat);
+        for (index, ((key, value), [low, high])) in values.enumerate() {
+            let bound = if point.is_at_bound(index) { ", at its bound" } else { "" };
             let _ =
                 writeln!(text, "  {key} = {value:.6e}{bound}, within 1 % of it from {low:.4e} to {high:.4e}");
         }

@@ -13,8 +13,8 @@ use super::{SHIPPED_SCENES, count, json_text, note, one_more, print, progress};
 use crate::method::Failure;
 use crate::outcome::{Format, Outcome};
 use crate::stability::{
-    CASES, COLUMNS, Case, Compared, DAY_S, Effort, Extent, Kind, Row, build, draw_varied, grid, page, pairs,
-    summary,
+    CASES, COLUMNS, Case, Compared, DAY_S, Effort, Extent, Finding, Kind, build, draw_varied, grid, page,
+    pairs, summary,
 };
 
 #[derive(Debug, Clone, clap::Args)]
@@ -84,11 +84,11 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
     {
         return Err(Failure::Input(format!("--case {case}: must be below the {count} of --random")));
     }
-    let (cases, first) = (cases(arguments), arguments.case.unwrap_or(0) as usize);
-    let effort = |number| effort(arguments, first + number, &cases[number]);
-    let mut rows = judged(&cases, effort, arguments.output.as_deref())?;
-    rows.iter_mut().for_each(|row| row.number += first);
-    let csv = || rows.iter().fold(Row::heading(), |text, row| text + &row.csv());
+    let cases = cases(arguments);
+    let is_asked = |number: usize| arguments.case.is_none_or(|case| case == number as u64);
+    let effort = |number| effort(arguments, number, &cases[number]);
+    let rows = judged(&cases, is_asked, effort, arguments.output.as_deref())?;
+    let csv = || rows.iter().fold(Finding::heading(), |text, row| text + &row.csv());
     print(&match arguments.format {
         Format::Table if arguments.case.is_none() => summary(&rows),
         Format::Csv => csv(),
@@ -103,9 +103,8 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
 }
 
 fn cases(arguments: &StabilityArguments) -> Vec<Case> {
-    let numbers = |count| arguments.case.map_or(0..count, |case| case..case + 1);
     match (arguments.random, arguments.scene) {
-        (Some(count), _) => numbers(count).map(|number| draw_varied(arguments.seed, number)).collect(),
+        (Some(count), _) => (0..count).map(|number| draw_varied(arguments.seed, number)).collect(),
         (None, Some(kind)) => grid(kind, arguments.grid),
         (None, None) => Kind::value_variants().iter().flat_map(|&kind| grid(kind, arguments.grid)).collect(),
     }
@@ -122,7 +121,7 @@ fn effort(arguments: &StabilityArguments, number: usize, case: &Case) -> Effort 
     }
 }
 
-fn none_fails(rows: &[Row]) -> Result<(), Failure> {
+fn none_fails(rows: &[Finding]) -> Result<(), Failure> {
     let count = rows.iter().filter(|row| row.class.is_failure()).count();
     if count == 0 {
         return Ok(());
@@ -170,42 +169,43 @@ fn run_days(kind: Option<Kind>, format: Format) -> Result<(), Failure> {
 /// A large odd number: its multiples modulo 2⁶⁴ have no order.
 const SHUFFLE: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The rows of all cases, by number.
+/// The rows of the cases that are asked for, by number.
 fn judged(
     cases: &[Case],
+    is_asked: impl Fn(usize) -> bool,
     effort: impl Fn(usize) -> Effort + Sync,
     output: Option<&Path>,
-) -> Result<Vec<Row>, Failure> {
+) -> Result<Vec<Finding>, Failure> {
     let (file, done) = match output {
         Some(path) => taken_up(path, cases).map(|(file, done)| (Some(file), done))?,
         None => (None, BTreeMap::new()),
     };
-    let left: Vec<(usize, &Case)> =
-        cases.iter().enumerate().filter(|(number, _)| !done.contains_key(number)).collect();
+    let is_left = |(number, _): &(usize, &Case)| is_asked(*number) && !done.contains_key(number);
+    let left: Vec<(usize, &Case)> = cases.iter().enumerate().filter(is_left).collect();
     let bar = progress(left.len());
     let mut groups: Vec<&[(usize, &Case)]> =
         left.chunk_by(|(_, one), (_, other)| one.is_twin_of(other)).collect();
     // Cases of like cost are beside each other: shuffled, the time that is left follows from the time that is gone.
     groups.sort_by_key(|group| group.first().map_or(0, |(number, _)| (*number as u64).wrapping_mul(SHUFFLE)));
-    let new: Result<Vec<Vec<Row>>, Failure> = groups
+    let new: Result<Vec<Vec<Finding>>, Failure> = groups
         .into_par_iter()
         .map(|twins| {
             let number = twins.first().map_or(0, |(number, _)| *number);
-            let rows = Row::judged(twins, effort(number));
+            let rows = Finding::judged(twins, effort(number));
             rows.iter().for_each(|_| one_more(&bar));
-            file.as_ref().map_or(Ok(()), |file| file.append(rows.iter().map(Row::line)))?;
+            file.as_ref().map_or(Ok(()), |file| file.append(rows.iter().map(Finding::line)))?;
             Ok(rows)
         })
         .collect();
     bar.finish_and_clear();
-    let mut rows: Vec<Row> = done.into_values().chain(new?.into_iter().flatten()).collect();
+    let mut rows: Vec<Finding> = done.into_values().chain(new?.into_iter().flatten()).collect();
     rows.sort_by_key(|row| row.number);
     Ok(rows)
 }
 
 /// The rows of a file that an earlier run began. A file that is not there is made, with its heading.
-fn taken_up(path: &Path, cases: &[Case]) -> Result<(Rows, BTreeMap<usize, Row>), Failure> {
-    let heading = Row::heading();
+fn taken_up(path: &Path, cases: &[Case]) -> Result<(Rows, BTreeMap<usize, Finding>), Failure> {
+    let heading = Finding::heading();
     let kind = rows::Kind {
         option: OUTPUT,
         heading: heading.trim_end(),
@@ -213,12 +213,12 @@ fn taken_up(path: &Path, cases: &[Case]) -> Result<(Rows, BTreeMap<usize, Row>),
         other: "must be a file of stability, or not be there",
     };
     let read = |line: &str| {
-        let row = Row::read(&format!("{heading}{line}\n")).ok()?.pop()?;
+        let row = Finding::read(&format!("{heading}{line}\n")).ok()?.pop()?;
         Some((row.number, row))
     };
     Rows::open(path, kind, read, |rows| {
         let is_another =
-            |row: &&Row| cases.get(row.number).is_none_or(|case| case.arguments() != row.arguments);
+            |row: &&Finding| cases.get(row.number).is_none_or(|case| case.arguments() != row.arguments);
         if let Some(row) = rows.values().find(|row| row.build != build()) {
             let [other, own] = [row.build.as_str(), build()];
             let rest = "remove it or give another file";
@@ -249,7 +249,7 @@ mod tests {
     fn a_file_is_taken_up_without_a_line_that_is_not_whole() {
         let path = std::env::temp_dir().join(format!("judged-cases-{}.csv", std::process::id()));
         let _ = fs::remove_file(&path);
-        let all = judged(&cases(3), |_| EFFORT, Some(&path)).expect("the file was made");
+        let all = judged(&cases(3), |_| true, |_| EFFORT, Some(&path)).expect("the file was made");
         assert!(all.iter().map(|row| row.number).eq(0..4));
         // The order in the file is that in which the cases were judged.
         let text = fs::read_to_string(&path).expect("is there");
@@ -261,7 +261,7 @@ mod tests {
         fs::write(&path, format!("{whole}\n{}", &last[..5])).expect("is writable");
         assert_eq!(taken_up(3), Ok(3));
         assert_eq!(fs::read_to_string(&path).expect("is there"), format!("{whole}\n"));
-        assert_eq!(judged(&cases(3), |_| EFFORT, Some(&path)), Ok(all));
+        assert_eq!(judged(&cases(3), |_| true, |_| EFFORT, Some(&path)), Ok(all));
         assert!(taken_up(4).is_err_and(|error| error.contains("another case")));
         let of_another = |line: &str| {
             let row = line.rsplit_once(',').expect("a checksum").0.replace(build(), "0.0.9-unknown");

@@ -135,8 +135,8 @@ pub struct Judge {
     twin: Option<Scene>,
     options: Options,
     effort: Effort,
-    /// The first more accurate run, and whether it is the reference; `None` where that is the tighter run.
-    exact: OnceCell<Option<(Numbers, bool)>>,
+    /// The reference at its usual tolerance, and at that for a run beyond its statement.
+    references: [OnceCell<Option<Numbers>>; 2],
     /// Whether the reference repeats itself, where a run is off by it.
     repeats: OnceCell<bool>,
     /// The run that judges where the reference does not.
@@ -155,7 +155,7 @@ impl Judge {
             twin: effort.by_reference.then(|| rescaled(case)?.read().ok()).flatten(),
             options,
             effort,
-            exact: OnceCell::new(),
+            references: [const { OnceCell::new() }; 2],
             repeats: OnceCell::new(),
             tighter: OnceCell::new(),
             ensembles: [const { OnceCell::new() }; 2],
@@ -249,22 +249,26 @@ impl Judge {
         options: &Options,
         (found, stated, allowed): (&Numbers, Option<f64>, f64),
     ) -> Option<(Numbers, bool)> {
-        let reference = |tolerance| by_reference(scene, self.effort.most_attempts, tolerance);
-        let first = self.exact.get_or_init(|| {
-            let found = self.effort.by_reference.then(|| reference(REFERENCE_TOLERANCE));
-            found.flatten().map(|found| (found, true))
-        });
+        let reference = |is_closer| Some((self.reference(scene, is_closer)?.clone(), true));
         let tighter = || Some((self.tighter(scene, options)?.clone(), false));
-        let mut exact = first.clone().or_else(tighter)?;
+        let first = self.effort.by_reference.then(|| reference(false)).flatten();
+        let mut exact = first.or_else(tighter)?;
         let (_, error) = compared_with(found, &exact.0);
         if stated.is_none_or(|stated| !(error <= stated)) && !(exact.1 && error > allowed) {
-            exact = reference(CLOSER_TOLERANCE).map_or(exact, |closer| (closer, true));
+            exact = reference(true).unwrap_or(exact);
         }
         let (quantity, error) = compared_with(found, &exact.0);
         let is_doubted = exact.1 && !(error <= allowed);
         let doubted = (&exact.0, quantity, allowed);
         let repeats = || reference_repeats(scene, self.effort.most_attempts, doubted);
         if is_doubted && !self.repeats.get_or_init(repeats) { tighter() } else { Some(exact) }
+    }
+
+    fn reference(&self, scene: &Scene, is_closer: bool) -> Option<&Numbers> {
+        let kind = usize::from(is_closer);
+        let tolerance = [REFERENCE_TOLERANCE, CLOSER_TOLERANCE][kind];
+        let run = || by_reference(scene, self.effort.most_attempts, tolerance);
+        self.references[kind].get_or_init(run).as_ref()
     }
 
     fn tighter(&self, scene: &Scene, options: &Options) -> Option<&Numbers> {
@@ -356,8 +360,8 @@ mod tests {
     #[test]
     fn a_wrong_run_is_not_excused() {
         let case = shipped(&[]);
-        let judge = Judge::new(&case, EFFORT);
-        judge.exact.set(Some((Numbers::with(1.0, Vec::new()), true))).expect("is empty");
+        let judge = Judge::new(&case, Effort { by_reference: true, ..EFFORT });
+        judge.references[0].set(Some(Numbers::with(1.0, Vec::new()))).expect("is empty");
         judge.repeats.set(true).expect("is empty");
         let found = judge.finding(Precision::F64);
         assert_eq!(found.class, Class::Wrong, "{found:?}");

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use clap::ValueEnum as _;
 
 use super::summary::{causes, classes, statements};
-use super::{Case, Class, Row};
+use super::{Case, Class, Finding};
 use crate::method::Precision;
 use crate::outcome::name;
 use crate::report::page::{Page, escaped};
@@ -66,7 +66,7 @@ const MAPS: [Map; 8] = [
 ];
 
 /// The page as HTML. The rows are those of the cases, in their order.
-pub(crate) fn page(cases: &[Case], rows: &[Row]) -> String {
+pub(crate) fn page(cases: &[Case], rows: &[Finding]) -> String {
     let mut page = Page::new("Stiff and extreme scenes");
     page.add(&format!(
         "<p>{} runs, each judged with its accuracy statement by a more accurate run. Each run is a row of \
@@ -89,7 +89,7 @@ pub(crate) fn page(cases: &[Case], rows: &[Row]) -> String {
             );
         }
     }
-    let failing: Vec<&Row> = rows.iter().filter(|row| row.class.is_failure()).collect();
+    let failing: Vec<&Finding> = rows.iter().filter(|row| row.class.is_failure()).collect();
     if !failing.is_empty() {
         page.add("<h2>Wrong and broken</h2>\n");
         for row in failing {
@@ -108,7 +108,7 @@ const STYLE: &str = "<style>.cells{width:auto}.cells td{min-width:1.6rem;height:
 impl Map {
     /// A table for each precision, with a coloured cell for each pair of values; `None` where no case has both quantities. The
     /// rows are those of the cases.
-    fn tables(&self, cases: &[Case], rows: &[Row]) -> Option<String> {
+    fn tables(&self, cases: &[Case], rows: &[Finding]) -> Option<String> {
         let of_scene = cases.iter().zip(rows).filter(|(case, _)| case.scene.starts_with(self.scene));
         let points: Vec<([f64; 2], Precision, Class)> = of_scene
             .filter_map(|(case, row)| {
@@ -226,7 +226,7 @@ mod tests {
     }
 
     /// Two settings in both precisions, with rows of their own classes.
-    fn judged() -> (Vec<Case>, Vec<Row>) {
+    fn judged() -> (Vec<Case>, Vec<Finding>) {
         let settings = [("load.resistance_ohm=1e6", "0e0"), ("load.resistance_ohm=inf", "2e-5")];
         let cases: Vec<Case> = settings
             .iter()
@@ -237,8 +237,8 @@ mod tests {
             .collect();
         // Given up at once: the rows get their classes below.
         let effort = Effort { most_attempts: 1, by_reference: false };
-        let mut rows: Vec<Row> =
-            cases.iter().enumerate().flat_map(|case| Row::judged(&[case], effort)).collect();
+        let mut rows: Vec<Finding> =
+            cases.iter().enumerate().flat_map(|case| Finding::judged(&[case], effort)).collect();
         let classes = [Class::Right, Class::Warned, Class::NamedError, Class::Wrong];
         for (row, class) in rows.iter_mut().zip(classes) {
             row.class = class;

@@ -16,7 +16,7 @@ const PRECISIONS: [&str; 2] = ["f32", "f64"];
 
 /// Counts of each class, of each cause of a named error, how the statements compare with the errors, and each failing
 /// case.
-pub(crate) fn summary(rows: &[Row]) -> String {
+pub(crate) fn summary(rows: &[Finding]) -> String {
     let failing = rows.iter().filter(|row| row.class.is_failure());
     let lines = failing.map(|row| format!("\n{}: {}\n{}\n", row.number, row.reason, row.arguments));
     let classes = aligned(&classes(rows));
@@ -32,21 +32,21 @@ fn aligned(rows: &[Vec<String>]) -> String {
 }
 
 /// A row for each class, below the headings.
-pub(super) fn classes(rows: &[Row]) -> Vec<Vec<String>> {
+pub(super) fn classes(rows: &[Finding]) -> Vec<Vec<String>> {
     let classes = Class::value_variants().iter().map(|class| {
-        let these: Vec<&Row> = rows.iter().filter(|row| row.class == *class).collect();
+        let these: Vec<&Finding> = rows.iter().filter(|row| row.class == *class).collect();
         (name(class).replace('-', " "), these)
     });
     counted("class", classes)
 }
 
 /// A row for each cause of a named error, the most frequent first, below the headings.
-pub(super) fn causes(rows: &[Row]) -> Vec<Vec<String>> {
-    let mut causes: BTreeMap<String, Vec<&Row>> = BTreeMap::new();
+pub(super) fn causes(rows: &[Finding]) -> Vec<Vec<String>> {
+    let mut causes: BTreeMap<String, Vec<&Finding>> = BTreeMap::new();
     for row in rows.iter().filter(|row| row.class == Class::NamedError) {
         causes.entry(cause(&row.reason)).or_default().push(row);
     }
-    let mut causes: Vec<(String, Vec<&Row>)> = causes.into_iter().collect();
+    let mut causes: Vec<(String, Vec<&Finding>)> = causes.into_iter().collect();
     causes.sort_by_key(|(_, rows)| std::cmp::Reverse(rows.len()));
     counted("named error", causes)
 }
@@ -58,7 +58,7 @@ fn columns() -> impl Iterator<Item = Option<(&'static str, &'static str)>> {
 }
 
 /// Whether a row belongs to a column.
-fn stands_in(row: &Row, column: Option<(&str, &str)>) -> bool {
+fn stands_in(row: &Finding, column: Option<(&str, &str)>) -> bool {
     column.is_none_or(|(kind, precision)| row.scene.starts_with(kind) && row.precision == precision)
 }
 
@@ -71,7 +71,7 @@ fn headings(word: &str) -> Vec<String> {
 }
 
 /// The number of the rows of each group by scene and precision, below the headings.
-fn counted<'a>(word: &str, groups: impl IntoIterator<Item = (String, Vec<&'a Row>)>) -> Vec<Vec<String>> {
+fn counted<'a>(word: &str, groups: impl IntoIterator<Item = (String, Vec<&'a Finding>)>) -> Vec<Vec<String>> {
     let lines = groups.into_iter().map(|(group, rows)| {
         let count = |column| rows.iter().filter(|row| stands_in(row, column)).count().to_string();
         std::iter::once(group).chain(columns().map(count)).collect()
@@ -83,27 +83,27 @@ fn counted<'a>(word: &str, groups: impl IntoIterator<Item = (String, Vec<&'a Row
 const COMPARED: [f64; 2] = [5e-4, 1e-5];
 
 /// How the statements compare with the errors, by scene and precision, below the headings.
-pub(super) fn statements(rows: &[Row]) -> Vec<Vec<String>> {
-    let judged: Vec<&Row> = rows
+pub(super) fn statements(rows: &[Finding]) -> Vec<Vec<String>> {
+    let judged: Vec<&Finding> = rows
         .iter()
         .filter(|row| row.quantity == Some(Quantity::Power) && row.error.is_some_and(f64::is_finite))
         .collect();
-    let line = |name: &str, value: &dyn Fn(&[&Row]) -> String| {
+    let line = |name: &str, value: &dyn Fn(&[&Finding]) -> String| {
         let of =
             |column| value(&judged.iter().copied().filter(|row| stands_in(row, column)).collect::<Vec<_>>());
         std::iter::once(name.to_owned()).chain(columns().map(of)).collect()
     };
     let share = |part: usize, of: usize| format!("{part} / {of}");
     let [false_below, above] = COMPARED;
-    let error = |row: &Row| row.error.unwrap_or(0.0);
+    let error = |row: &Finding| row.error.unwrap_or(0.0);
     let ratio = |part: f64| {
-        move |rows: &[&Row]| {
+        move |rows: &[&Finding]| {
             let compared = rows.iter().filter(|row| error(row) > above);
             quantile(part, compared.filter_map(|row| Some(row.stated? / error(row))))
         }
     };
     let work = |chaotic: bool, part: f64| {
-        move |rows: &[&Row]| {
+        move |rows: &[&Finding]| {
             quantile(part, rows.iter().filter(|row| row.is_chaotic == chaotic).map(|row| row.work))
         }
     };
@@ -156,10 +156,7 @@ pub fn cause(reason: &str) -> String {
 // A judged case as a row of CSV and an object of JSON, and the identity of the program: rows of different builds do not
 // belong to one result.
 
-/// A case with what became of it.
-pub(crate) type Row = Finding;
-
-impl Row {
+impl Finding {
     /// Judges cases that differ in nothing but precision; each has its number.
     pub(crate) fn judged(twins: &[(usize, &Case)], effort: Effort) -> Vec<Self> {
         let Some((_, first)) = twins.first() else { return Vec::new() };
@@ -187,7 +184,7 @@ impl Row {
         csv_line(fields(self).values().map(cell))
     }
 
-    /// The rows of a table of CSV with the heading of [`Row::heading`].
+    /// The rows of a table of CSV with the heading of [`Finding::heading`].
     pub(crate) fn read(text: &str) -> Result<Vec<Self>, String> {
         let rows: Result<Vec<Self>, _> = csv::Reader::from_reader(text.as_bytes()).deserialize().collect();
         rows.map_err(|error| error.to_string())
@@ -241,7 +238,7 @@ mod tests {
 
     #[test]
     fn a_row_survives_its_line() {
-        let row = Row {
+        let row = Finding {
             number: 7,
             scene: "sliding".to_owned(),
             precision: "f32".to_owned(),
@@ -258,11 +255,12 @@ mod tests {
             build: "0.1.0-0123".to_owned(),
         };
         let columns = "number,scene,precision,class,quantity,error,stated,is_warned,by_reference,is_chaotic,work,reason,arguments,build\n";
-        assert_eq!(Row::heading(), columns);
-        let judged = Row { number: 8, quantity: Some(Quantity::Motion), error: Some(1e-3), ..row.clone() };
-        let text = Row::heading() + &row.csv() + &judged.csv();
-        assert_eq!(Row::read(&text), Ok(vec![row, judged]));
-        assert!(Row::read("a,b\n1,2\n").is_err());
+        assert_eq!(Finding::heading(), columns);
+        let judged =
+            Finding { number: 8, quantity: Some(Quantity::Motion), error: Some(1e-3), ..row.clone() };
+        let text = Finding::heading() + &row.csv() + &judged.csv();
+        assert_eq!(Finding::read(&text), Ok(vec![row, judged]));
+        assert!(Finding::read("a,b\n1,2\n").is_err());
     }
 
     #[test]

@@ -285,12 +285,10 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
             stages.powers(system, attempt, &end.derivative, 1),
             end.powers,
         ];
-        let mut later = powers[1].iter().zip(&powers[2]);
-        let mut energies = powers[0].map(|first| {
-            let (second, third) =
-                later.next().map_or((S::ZERO, S::ZERO), |(second, third)| (*second, *third));
-            step * weighted(&STAGES[2], &[first, second, third])
-        });
+        let mut energies = powers[0];
+        for ((energy, second), third) in energies.iter_mut().zip(&powers[1]).zip(&powers[2]) {
+            *energy = step * weighted(&STAGES[2], &[*energy, *second, *third]);
+        }
         system.correct_energies(&start.state, &end.state, &mut energies);
         if attempt.after_jump && stages.active {
             add_layer(system, start, step, &mut energies);

@@ -107,18 +107,24 @@ pub const WIDTH: usize = 100;
 /// A text in lines of at most [`WIDTH`] columns, broken at spaces, the further ones behind `indent` spaces; a longer word has a
 /// line of its own.
 pub fn folded(text: &str, indent: usize) -> String {
+    wrapped(text.split(' '), " ", indent, WIDTH)
+}
+
+/// Parts with `joint` between them, in lines of at most `width` columns, the further ones behind `indent` spaces; a longer part
+/// has a line of its own. Spaces at the end of a part may reach beyond.
+fn wrapped<'a>(parts: impl Iterator<Item = &'a str>, joint: &str, indent: usize, width: usize) -> String {
     let (mut all, mut column) = (String::new(), 0);
-    for word in text.split(' ') {
-        let length = word.chars().count();
-        if column > indent && column + 1 + length > WIDTH {
-            all += &format!("\n{:indent$}{word}", "");
-            column = indent + length;
+    for part in parts {
+        let joint = if all.is_empty() { "" } else { joint };
+        if column > indent && column + joint.len() + part.trim_end().chars().count() > width {
+            all += &format!("\n{:indent$}", "");
+            column = indent;
         } else {
-            let space = if column == 0 && all.is_empty() { "" } else { " " };
-            all += space;
-            all += word;
-            column += space.len() + length;
+            all += joint;
+            column += joint.len();
         }
+        all += part;
+        column += part.chars().count();
     }
     all
 }
@@ -126,21 +132,6 @@ pub fn folded(text: &str, indent: usize) -> String {
 /// The parts of a heading, behind each of which it may be broken.
 fn parts(heading: &str) -> impl Iterator<Item = &str> {
     heading.split_inclusive(['_', '.', ' ', '/'])
-}
-
-/// A heading in lines of at most `width` columns, a longer part in one of its own.
-fn broken(heading: &str, width: usize) -> String {
-    let (mut all, mut column) = (String::new(), 0);
-    for part in parts(heading) {
-        let length = part.trim_end().chars().count();
-        if column > 0 && column + length > width {
-            all.push('\n');
-            column = 0;
-        }
-        all += part;
-        column += part.chars().count();
-    }
-    all
 }
 
 /// A table for a terminal, line break included: the columns beyond the first `words` stand at the right. Where it would be wider
@@ -162,8 +153,11 @@ pub fn table<R: Into<Row>>(
             of_parts.max(of_cells).unwrap_or(0)
         });
         let widths: Vec<usize> = widths.collect();
-        let broken: Vec<String> =
-            headings.cell_iter().zip(&widths).map(|(cell, width)| broken(&cell.content(), *width)).collect();
+        let broken: Vec<String> = headings
+            .cell_iter()
+            .zip(&widths)
+            .map(|(cell, width)| wrapped(parts(&cell.content()), "", 0, *width))
+            .collect();
         table.set_header(broken).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH as u16);
         // Names are not broken where numbers follow, unless they are long and the numbers leave no room.
         let fits = widths.first().is_some_and(|first| *first <= 12)
