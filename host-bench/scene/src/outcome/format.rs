@@ -1,7 +1,9 @@
 //! An outcome as text: a table for people, JSON and CSV for programs.
 
+use std::iter::once;
+
 use clap::ValueEnum;
-use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Row, Table, TableStyle, Width};
+use comfy_table::{Cell, CellAlignment, ColumnConstraint, ContentArrangement, Row, Table, TableStyle, Width};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -129,9 +131,13 @@ fn wrapped<'a>(parts: impl Iterator<Item = &'a str>, joint: &str, indent: usize,
     all
 }
 
-/// The parts of a heading, behind each of which it may be broken.
-fn parts(heading: &str) -> impl Iterator<Item = &str> {
-    heading.split_inclusive(['_', '.', ' ', '/'])
+/// What a heading may be broken behind.
+const BREAKS: [char; 5] = ['_', '-', '.', ' ', '/'];
+
+/// The most columns of a part of some texts, which are broken behind such characters.
+fn widest(texts: impl Iterator<Item = String>, breaks: &[char]) -> usize {
+    let of_part = |part: &str| part.trim_end().chars().count();
+    texts.filter_map(|text| text.split_inclusive(breaks).map(of_part).max()).max().unwrap_or(0)
 }
 
 /// A table for a terminal, line break included: the columns beyond the first `words` stand at the right. Where it would be wider
@@ -146,29 +152,36 @@ pub fn table<R: Into<Row>>(
     let headings: Row = headings.into();
     table.load_style(style).set_header(headings.clone()).add_rows(rows);
     if table.trim_fmt().lines().any(|line| line.chars().count() > WIDTH) {
-        let cells = |column: usize| table.row_iter().filter_map(move |row| row.cell_iter().nth(column));
-        let widths = headings.cell_iter().enumerate().map(|(column, heading)| {
-            let of_parts = parts(&heading.content()).map(|part| part.trim_end().chars().count()).max();
-            let of_cells = cells(column).map(|cell| cell.content().chars().count()).max();
-            of_parts.max(of_cells).unwrap_or(0)
-        });
-        let widths: Vec<usize> = widths.collect();
-        let broken: Vec<String> = headings
-            .cell_iter()
-            .zip(&widths)
-            .map(|(cell, width)| wrapped(parts(&cell.content()), "", 0, *width))
-            .collect();
-        table.set_header(broken).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH as u16);
+        let width = |(column, heading): (usize, &Cell), breaks: &[char]| {
+            let cells = table.row_iter().filter_map(|row| row.cell_iter().nth(column));
+            widest(cells.map(Cell::content), breaks).max(widest(once(heading.content()), &BREAKS))
+        };
+        let widths = |breaks: &[char]| -> Vec<usize> {
+            headings.cell_iter().enumerate().map(|heading| width(heading, breaks)).collect()
+        };
+        let (mut least, whole) = (widths(&[' ']), widths(&[]));
+        let has_room = |widths: &[usize]| widths.iter().map(|width| width + 3).sum::<usize>() < WIDTH;
         // Names are not broken where numbers follow, unless they are long and the numbers leave no room.
-        let fits = widths.first().is_some_and(|first| *first <= 12)
-            || widths.iter().map(|width| width + 3).sum::<usize>() < WIDTH;
-        let is_whole = |column: usize| column >= words || (column == 0 && fits && words < widths.len());
-        for (column, width) in table.column_iter_mut().zip(&widths) {
-            if is_whole(column.index) {
-                let padding = usize::from(column.padding_width());
-                column
-                    .set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed((width + padding) as u16)));
-            }
+        let keeps_names = words < whole.len() && (whole[0] <= 12 || has_room(&whole));
+        for (column, least) in least
+            .iter_mut()
+            .enumerate()
+            .filter(|(column, _)| *column >= words || (*column == 0 && keeps_names))
+        {
+            *least = whole[column];
+        }
+        let broken = headings
+            .cell_iter()
+            .zip(&whole)
+            .map(|(cell, width)| wrapped(cell.content().split_inclusive(BREAKS), "", 0, *width))
+            .collect::<Vec<_>>();
+        let fits = has_room(&least);
+        table.set_header(broken).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH as u16);
+        for (column, least) in
+            table.column_iter_mut().zip(least).filter(|(column, _)| fits || column.index >= words)
+        {
+            let width = Width::Fixed((least + usize::from(column.padding_width())) as u16);
+            column.set_constraint(ColumnConstraint::LowerBoundary(width));
         }
     }
     for column in table.column_iter_mut().skip(words) {
@@ -256,5 +269,35 @@ pub fn shown(value: &Value) -> String {
             parts.collect::<Vec<_>>().join(" ")
         }
         other => cell(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use comfy_table::presets;
+
+    use super::*;
+
+    #[test]
+    fn a_wide_table_breaks_no_word_where_there_is_room() {
+        let headings =
+            ["quantity", "contact-separation f32", "contact-separation f64", "sliding f32", "bump-stop f64"];
+        let row = |name: &'static str| [name, "163 / 169", "162 / 163", "30 / 31", "90 / 94"];
+        let rows = [row("statement over error, 90th percentile"), row("warned, of them below a tenth")];
+        for (names, style) in
+            [(0, presets::ASCII_MARKDOWN), (1, presets::ASCII_MARKDOWN), (1, presets::NOTHING)]
+        {
+            let wide = rows.clone().map(|row| [&row[..], &row[1..3]].concat());
+            let heading = [&headings[..], &headings[1..3]].concat();
+            let text = table(style, heading, wide, names);
+            let words = |texts: &mut dyn Iterator<Item = &str>| -> Vec<String> {
+                let parts = texts.flat_map(|text| text.split(|letter: char| !letter.is_alphanumeric()));
+                parts.filter(|part| !part.is_empty()).map(str::to_owned).collect()
+            };
+            let whole = words(&mut headings.into_iter().chain(rows.iter().flatten().copied()));
+            let found = words(&mut text.lines());
+            let broken: Vec<&String> = found.iter().filter(|word| !whole.contains(word)).collect();
+            assert!(broken.is_empty(), "{broken:?} in\n{text}");
+        }
     }
 }
