@@ -14,9 +14,10 @@ use crate::report::setting::setting;
 use crate::scene_file::Scene;
 
 /// The shipped scenes of the figures: the stop at the tip, at mid-span, and none.
-const SCENES: [&str; 3] = ["bump-stop-paper", "bump-stop-paper-mid-span", "bump-stop-paper-none"];
+const SCENES: [&str; 3] =
+    ["bump-stop-below-resonance", "bump-stop-below-resonance-mid-span", "bump-stop-below-resonance-none"];
 /// The shipped scene with the storage of figure 11.
-const CHARGING: &str = "bump-stop-paper-charging";
+const CHARGING: &str = "bump-stop-below-resonance-charging";
 /// The shipped scenes of the convergence: near the resonance, where modes and step matter most.
 const STIFF: [&str; 2] = ["bump-stop-tip", "bump-stop-mid-span"];
 

@@ -78,7 +78,7 @@ pub(super) fn measure() -> Result<Measured, Failure> {
 
 /// Finding 20.
 pub(super) fn measure_storage() -> Result<Measured, Failure> {
-    let charging = scene("bump-stop-paper-charging", &[])?;
+    let charging = scene("bump-stop-below-resonance-charging", &[])?;
     let stored = each_of(PAPER, |name| {
         let scene = Scene { load: charging.load, run: charging.run, ..scene(name, &[])? };
         let outcome = run_scene(&scene, &Options::default())?;

@@ -26,7 +26,7 @@
 //! | `v` | terminal voltage | V | |
 //! | `θ_i` | charge per modal coordinate, and modal force per negative voltage | C/(m √kg) | |
 //! | `C_p`, `R` | piezoelectric capacitance; load resistance | F; Ω | |
-//! | `χ` | back-action of the voltage on the beam: 1 ([`TwoWay`]), 0 as in the paper ([`OneWay`]) | 1 | |
+//! | `χ` | back-action of the voltage on the beam: 1 ([`TwoWay`]), 0 ([`OneWay`]) | 1 | |
 //!
 //! # Integration
 //!

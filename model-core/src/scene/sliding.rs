@@ -34,8 +34,9 @@
 //! # Stick
 //!
 //! A slider at rest sticks while static friction balances the load, `|M (ω² x + κ a) − F_lat| ≤ μ_s(x) N`: the modal
-//! equation with zero velocity and acceleration. The printed equation (10) differs: it multiplies `ω² x` by the
-//! slider's mass instead of the modal mass and so releases the slider with an acceleration in the wrong direction. At
+//! equation with zero velocity and acceleration. The formula of equation (10) is lost; its text names a
+//! derivative of the mode and an equivalent mass of the beam. The shear at the tip, `E I φ'''(L)`, has the slider's mass
+//! in place of the modal one and would release the slider with an acceleration in the wrong direction. At
 //! release the slider moves against the sign of this load. No kinetic coefficient exceeds the static one of its
 //! patch, so the acceleration then has the direction of the motion.
 //!

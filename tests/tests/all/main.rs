@@ -2,9 +2,9 @@
 
 mod accuracy;
 mod bump_stop;
+mod bump_stop_below_resonance;
 mod bump_stop_clamp;
 mod bump_stop_figures;
-mod bump_stop_paper;
 mod bump_stop_store;
 mod bump_stop_tip_mass;
 mod closed_form;

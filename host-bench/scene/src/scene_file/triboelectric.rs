@@ -37,7 +37,7 @@ const STICK_CHARGES: [(&str, StickCharge); 2] =
 pub(super) const FORCE_LAW: Key = other(
     "force_law",
     Value::Words(&words(&FORCE_LAWS)),
-    "Electrostatic force: the paper's, the field's (conserves energy), or none (what the load takes is created)",
+    "Electrostatic force: inferred from the paper's results, of the field (conserves energy), or none (what the load takes is created)",
 );
 pub(super) const STICK_CHARGE: Key = other(
     "stick_charge",

@@ -34,7 +34,8 @@ impl Coupling for TwoWay {
     }
 }
 
-/// The voltage does not act back on the beam: the paper's model.
+/// The voltage does not act back on the beam: equations (1) and (10) of the paper as printed. Its text announces the
+/// effect on the beam for the equation of motion, which is [`TwoWay`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OneWay;

@@ -101,8 +101,8 @@ impl<S: Scalar> ContactLaw<S> for Restitution<S> {
 /// The paper's method: the force that makes the gap zero at the end of each step, if compressive; equations (8) and
 /// (9) with one constant force per step.
 ///
-/// It is stable, but the force is an artefact of the step length: its peaks and the number of contacts grow as the
-/// inverse of the step.
+/// It is stable, but the force is an artefact of the step length: its peaks and the number of contacts grow without
+/// bound as the step shrinks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DisplacementConstraint;

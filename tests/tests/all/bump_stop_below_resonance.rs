@@ -27,7 +27,7 @@ struct Expected {
 
 const EXPECTED: [Expected; 3] = [
     Expected {
-        scene: "bump-stop-paper",
+        scene: "bump-stop-below-resonance",
         rms_voltage_v: 2.059_23,
         peak_voltage_v: 4.970,
         mean_power_w: 42.40e-6,
@@ -37,7 +37,7 @@ const EXPECTED: [Expected; 3] = [
         stored_v: [2.576, 5.491],
     },
     Expected {
-        scene: "bump-stop-paper-mid-span",
+        scene: "bump-stop-below-resonance-mid-span",
         rms_voltage_v: 2.473_26,
         peak_voltage_v: 5.659,
         mean_power_w: 61.17e-6,
@@ -47,7 +47,7 @@ const EXPECTED: [Expected; 3] = [
         stored_v: [3.562, 7.090],
     },
     Expected {
-        scene: "bump-stop-paper-none",
+        scene: "bump-stop-below-resonance-none",
         rms_voltage_v: 3.135_620,
         peak_voltage_v: 4.434_44,
         mean_power_w: 98.3212e-6,
@@ -108,7 +108,7 @@ fn the_reference_has_the_statistics_of_another_program() {
 
 /// Voltage in V of the storage at the end of a run of so many seconds.
 fn stored(expected: &Expected, duration_s: f64) -> f64 {
-    let charging = shipped("bump-stop-paper-charging");
+    let charging = shipped("bump-stop-below-resonance-charging");
     let run_span = scene_file::RunSpan { duration_s, settle_s: 0.0 };
     let scene = Scene { load: charging.load, run: run_span, ..shipped(expected.scene) };
     let (outcome, _) = run(&scene, &Options::default());
