@@ -16,13 +16,13 @@ RUN = {"run.duration_s": 2.0, "run.settle_s": 1.0}
 
 def main(folder):
     loads = np.geomspace(1e6, 1e9, 7)
-    swept = vh.sweep(SCENE, {"load.resistance_ohm": loads}, set=RUN, states_accuracy=False)
+    swept = vh.sweep(SCENE, {"load.resistance_ohm": loads}, changes=RUN, states_accuracy=False)
     print("load in MOhm  mean power in uW")
     for load, power in zip(loads, swept["mean_power_w"]):
         print(f"{1e-6 * load:12.1f}  {1e6 * power:16.3f}")
     best = loads[swept["mean_power_w"].argmax()]
 
-    found = vh.run(SCENE, set={**RUN, "load.resistance_ohm": best}, trace_every=1e-4)
+    found = vh.run(SCENE, changes={**RUN, "load.resistance_ohm": best}, trace_every=1e-4)
     error = found["accuracy"]["total"]
     print(f"best: {1e-6 * best:.1f} MOhm, {1e6 * found['mean_power_w']:.3f} uW, error at most {100 * error:.4f} %")
     trace = found["trace"]

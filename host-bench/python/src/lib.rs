@@ -23,13 +23,14 @@ use host_bench::method::{Failure, Options};
 use host_bench::outcome::{Format, Outcome, fields, number, text};
 use host_bench::run::run_scene;
 use host_bench::scene_file::{self, Override, Scene};
+use model_core::energy::ResponseMap;
 use model_core::energy::response_map::{Branch, Response};
 use rayon::prelude::*;
 
 #[pymodule(name = "_native")]
 mod native {
     #[pymodule_export]
-    use super::{Map, fit, map, optimise, run, sweep};
+    use super::{fit, look_up, optimise, response_map, run, sweep};
 }
 
 /// The options of `run` and `sweep` as the command line has them.
@@ -131,31 +132,30 @@ fn run(
     Ok((found.text(Format::Json), trace))
 }
 
-/// Runs a scene at all combinations of the values of `over`, on all cores: one JSON object for each, the last key fastest.
-/// A run that fails is an object with `error`.
+/// Runs a scene at some points, each with a value for each of `keys`, on all cores: one JSON object for each point. A run that
+/// fails is an object with `error`.
 #[pyfunction]
 fn sweep(
     py: Python<'_>,
     scene: PathBuf,
     set: Vec<(String, String)>,
-    over: Vec<(String, Vec<f64>)>,
+    keys: Vec<String>,
+    points: Vec<Vec<f64>>,
     given: Vec<String>,
     how: (bool, bool),
 ) -> PyResult<Vec<String>> {
     let (steady_state, states_accuracy) = how;
     interruptible(py, move |stopped| {
         let options = Options { steady_state, ..options(&given)? };
-        let count = over.iter().map(|(_, values)| values.len()).product();
-        let scenes: Result<Vec<Scene>, Failure> = (0..count)
-            .into_par_iter()
-            .map(|index| {
-                let mut changes = overrides(&set);
-                changes.extend(point(&over, index));
-                let scene = scene_file::read(&scene, &changes).map_err(Failure::from)?;
-                options.check_scene(&scene)?;
-                Ok(scene)
-            })
-            .collect();
+        let read = |values: &Vec<f64>| {
+            let mut changes = overrides(&set);
+            let at_point = keys.iter().zip(values);
+            changes.extend(at_point.map(|(key, value)| Override::new(key, &number(*value)).by("over")));
+            let scene = scene_file::read(&scene, &changes).map_err(Failure::from)?;
+            options.check_scene(&scene)?;
+            Ok(scene)
+        };
+        let scenes: Result<Vec<Scene>, Failure> = points.par_iter().map(read).collect();
         let run = |scene: &Scene| {
             if stopped.load(Ordering::Relaxed) {
                 return Err(Failure::Step("stopped by a signal".to_owned()));
@@ -168,17 +168,6 @@ fn sweep(
         };
         scenes?.par_iter().map(run).collect()
     })
-}
-
-/// The values of a point; the last key runs fastest.
-fn point(over: &[(String, Vec<f64>)], index: usize) -> Vec<Override> {
-    let mut rest = index;
-    let change = |(key, values): &(String, Vec<f64>)| {
-        let value = values[rest % values.len()];
-        rest /= values.len();
-        Override::new(key, &number(value)).by("over")
-    };
-    over.iter().rev().map(change).collect()
 }
 
 /// The arguments of `fit` as the command line has them.
@@ -209,16 +198,14 @@ fn optimise(py: Python<'_>, given: Vec<String>) -> PyResult<String> {
     interruptible(py, move |_| command::optimise::json(&parsed::<Optimise>(&given)?.arguments))
 }
 
-/// A response map of a scene.
-#[pyclass(frozen)]
-struct Map {
-    found: host_bench::map::Map,
-    name: String,
-}
+/// The words of a map as little-endian bytes, the fingerprint of its harvester, its agreement with the full model as JSON, its
+/// picture as SVG, its page as HTML, and its Rust module.
+type Map = (Py<PyBytes>, u32, String, String, String, String);
 
-/// Makes the response map of a scene.
+/// Makes the response map of a scene; `command` is named in the head of the module.
 #[pyfunction]
-fn map(
+#[allow(clippy::too_many_arguments, reason = "the package calls it, no person")]
+fn response_map(
     py: Python<'_>,
     scene: PathBuf,
     set: Vec<(String, String)>,
@@ -226,70 +213,58 @@ fn map(
     voltages: Vec<f64>,
     places: (f64, usize, u64),
     given: Vec<String>,
+    command: String,
 ) -> PyResult<Map> {
     let ([amplitudes, frequencies], (error, places, seed)) = (ranges, places);
-    interruptible(py, move |_| {
+    let (found, name) = interruptible(py, move |_| {
         let options = options(&given)?;
         let scene = scene_file::read(&scene, &overrides(&set)).map_err(Failure::from)?;
         let request = host_bench::map::Request { amplitudes, frequencies, voltages, error, places, seed };
         request.check()?;
         let found = host_bench::map::map(&scene, &request, &options, &|_| ())?;
-        Ok(Map { found, name: scene.name().to_owned() })
-    })
+        Ok((found, scene.name().to_owned()))
+    })?;
+    let agreement = text(&fields(&found.agreement), Format::Json);
+    let [picture, page] = host_bench::map::drawn(&found, &name).map_err(raised)?;
+    let image = PyBytes::new(py, &host_bench::map::bytes(&found)).unbind();
+    Ok((
+        image,
+        found.image.fingerprint,
+        agreement,
+        picture,
+        page,
+        host_bench::map::module(&found, &name, &command),
+    ))
 }
 
-#[pymethods]
-impl Map {
-    /// How well the map agrees with the full model, as JSON.
-    fn agreement(&self) -> String {
-        text(&fields(&self.found.agreement), Format::Json)
+/// Looks places up in the words of a map, as a node does: value, lower and upper bound of each as the bytes of doubles,
+/// not-a-number outside the map; and 0 for the lower motion, 1 for the upper, 2 for both, 3 outside.
+#[pyfunction]
+fn look_up<'py>(
+    py: Python<'py>,
+    image: &[u8],
+    fingerprint: u32,
+    places: Vec<[f64; 2]>,
+    voltage: Option<f64>,
+) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyBytes>)> {
+    let words: Vec<u16> = image.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect();
+    let map = ResponseMap::new(&words[..], fingerprint);
+    let map = map.map_err(|error| PyValueError::new_err(format!("image: is no map: {error}")))?;
+    let (mut values, mut motions) = (Vec::new(), Vec::new());
+    for [amplitude, frequency] in places.into_iter().map(|place| place.map(|number| number as f32)) {
+        let found = match voltage {
+            Some(voltage) => map.at_voltage(amplitude, frequency, voltage as f32),
+            None => map.at(amplitude, frequency),
+        };
+        let income = found.income();
+        let numbers = income.map_or([f64::NAN; 3], |of| [of.value, of.low, of.high].map(f64::from));
+        values.extend(numbers.iter().flat_map(|number| number.to_ne_bytes()));
+        motions.push(match found {
+            Response::One { branch: Branch::Lower, .. } => 0,
+            Response::One { branch: Branch::Upper, .. } => 1,
+            Response::Two { .. } => 2,
+            Response::Outside(_) => 3,
+        });
     }
-
-    /// The map as a node has it: little-endian words.
-    fn image<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &host_bench::map::bytes(&self.found))
-    }
-
-    /// The map as a Rust module; `command` is named in its head.
-    fn module(&self, command: &str) -> String {
-        host_bench::map::module(&self.found, &self.name, command)
-    }
-
-    /// A picture of the map as SVG.
-    fn picture(&self) -> PyResult<String> {
-        host_bench::map::drawn(&self.found, &self.name).map(|[svg, _]| svg).map_err(raised)
-    }
-
-    /// A page of the map, as HTML.
-    fn page(&self) -> PyResult<String> {
-        host_bench::map::drawn(&self.found, &self.name).map(|[_, page]| page).map_err(raised)
-    }
-
-    /// Looks places up, as a node does: value, lower and upper bound of each as the bytes of doubles, not-a-number outside
-    /// the map; and 0 for the lower motion, 1 for the upper, 2 for both, 3 outside.
-    fn at<'py>(
-        &self,
-        py: Python<'py>,
-        places: Vec<[f64; 2]>,
-        voltage: Option<f64>,
-    ) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyBytes>)> {
-        let map = self.found.image.map().map_err(raised)?;
-        let (mut values, mut motions) = (Vec::new(), Vec::new());
-        for [amplitude, frequency] in places.into_iter().map(|place| place.map(|number| number as f32)) {
-            let found = match voltage {
-                Some(voltage) => map.at_voltage(amplitude, frequency, voltage as f32),
-                None => map.at(amplitude, frequency),
-            };
-            let income = found.income();
-            let numbers = income.map_or([f64::NAN; 3], |of| [of.value, of.low, of.high].map(f64::from));
-            values.extend(numbers.iter().flat_map(|number| number.to_ne_bytes()));
-            motions.push(match found {
-                Response::One { branch: Branch::Lower, .. } => 0,
-                Response::One { branch: Branch::Upper, .. } => 1,
-                Response::Two { .. } => 2,
-                Response::Outside(_) => 3,
-            });
-        }
-        Ok((PyBytes::new(py, &values), PyBytes::new(py, &motions)))
-    }
+    Ok((PyBytes::new(py, &values), PyBytes::new(py, &motions)))
 }

@@ -1,8 +1,12 @@
 """The bindings against the command line and against closed forms: python -m unittest discover host-bench/python/tests"""
 
+import concurrent.futures
+import concurrent.futures.process
 import json
+import multiprocessing
 import os
 import pathlib
+import pickle
 import signal
 import subprocess
 import sys
@@ -20,19 +24,35 @@ SCENE = ROOT / "host-bench" / "scenes" / "contact-separation-passive.toml"
 SHORT = {"run.duration_s": 0.5, "run.settle_s": 0.1}
 
 
+class Losing(concurrent.futures.Executor):
+    """Loses the worker of the task of that number."""
+
+    def __init__(self, number):
+        self.left = number
+
+    def submit(self, call, *given, **named):
+        future = concurrent.futures.Future()
+        self.left -= 1
+        if self.left == 0:
+            future.set_exception(concurrent.futures.process.BrokenProcessPool("killed"))
+        else:
+            future.set_result(call(*given, **named))
+        return future
+
+
 class Bindings(unittest.TestCase):
     def test_a_run_is_that_of_the_command_line(self):
         binary = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "debug" / "host-bench"
         command = [binary, "run", SCENE, "--single-start", "--format", "json", "--tolerance", "1e-4"]
-        command += [f"--set={key}={value}" for key, value in SHORT.items()]
+        command += [f"--changes={key}={value}" for key, value in SHORT.items()]
         expected = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
-        found = vh.run(SCENE, set=SHORT, tolerance=1e-4)
+        found = vh.run(SCENE, changes=SHORT, tolerance=1e-4)
         self.assertEqual(found.keys(), expected.keys())
         for name in expected.keys() - {"processor_s"}:
             self.assertEqual(found[name], expected[name], name)
 
     def test_a_trace_has_the_rms_voltage_of_the_run(self):
-        found = vh.run(SCENE, set=SHORT, trace_every=1e-4, states_accuracy=False)
+        found = vh.run(SCENE, changes=SHORT, trace_every=1e-4, states_accuracy=False)
         trace = found["trace"]
         self.assertTrue(all(column.dtype == float for column in trace.values()))
         self.assertAlmostEqual(trace["time_s"][-1], 0.5, places=9)
@@ -42,11 +62,11 @@ class Bindings(unittest.TestCase):
 
     def test_a_sweep_has_an_axis_for_each_key(self):
         over = {"load.resistance_ohm": [1e7, 1e8, 1e9], "excitation.amplitude_m_per_s2": np.array([1.0, 2.0])}
-        swept = vh.sweep(SCENE, over, set=SHORT, states_accuracy=False)
+        swept = vh.sweep(SCENE, over, changes=SHORT, states_accuracy=False)
         self.assertEqual(swept["mean_power_w"].shape, (3, 2))
         one = vh.run(
             SCENE,
-            set={**SHORT, "load.resistance_ohm": 1e9, "excitation.amplitude_m_per_s2": 1.0},
+            changes={**SHORT, "load.resistance_ohm": 1e9, "excitation.amplitude_m_per_s2": 1.0},
             states_accuracy=False,
         )
         self.assertEqual(swept["mean_power_w"][2, 0], one["mean_power_w"])
@@ -59,10 +79,10 @@ class Bindings(unittest.TestCase):
     def test_a_number_that_is_missing_is_not_a_number_in_a_sweep_and_none_in_a_run(self):
         # Without a rough base nothing hits the dielectric, so that there is no first impact.
         still = {**SHORT, "excitation.amplitude_m_per_s2": 1e-3}
-        self.assertIsNone(vh.run(SCENE, set=still, states_accuracy=False)["first_impact_s"])
+        self.assertIsNone(vh.run(SCENE, changes=still, states_accuracy=False)["first_impact_s"])
         for amplitudes in ([1e-3], [1e-3, 3.0]):
             over = {"excitation.amplitude_m_per_s2": amplitudes}
-            swept = vh.sweep(SCENE, over, set={"run.duration_s": 3.0, "run.settle_s": 0.1}, states_accuracy=False)
+            swept = vh.sweep(SCENE, over, changes={"run.duration_s": 3.0, "run.settle_s": 0.1}, states_accuracy=False)
             first = swept["first_impact_s"]
             self.assertEqual(first.dtype, float)
             self.assertEqual(list(np.isnan(first)), [amplitude < 1 for amplitude in amplitudes])
@@ -74,8 +94,8 @@ class Bindings(unittest.TestCase):
         self.addCleanup(signal.signal, signal.SIGINT, before)
         long = {"run.duration_s": 36000.0, "run.settle_s": 0.0}
         for call in (
-            lambda: vh.run(SCENE, set=long),
-            lambda: vh.sweep(SCENE, {"load.resistance_ohm": np.geomspace(1e6, 1e9, 64)}, set={"run.duration_s": 600.0}),
+            lambda: vh.run(SCENE, changes=long),
+            lambda: vh.sweep(SCENE, {"load.resistance_ohm": np.geomspace(1e6, 1e9, 64)}, changes={"run.duration_s": 600.0}),
         ):
             timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
             began = time.monotonic()
@@ -97,25 +117,26 @@ class Bindings(unittest.TestCase):
 
     def test_bad_input_is_a_value_error_with_the_text_of_the_command_line(self):
         with self.assertRaisesRegex(ValueError, "load.resistance_ohm.*-1"):
-            vh.run(SCENE, set={"load.resistance_ohm": -1.0})
-        with self.assertRaisesRegex(ValueError, "tolerence"):
-            vh.run(SCENE, tolerence=1e-3)
+            vh.run(SCENE, changes={"load.resistance_ohm": -1.0})
+        for call in (vh.run, lambda *scene, **named: vh.sweep(*scene, {"run.settle_s": [0.1]}, **named), vh.fit):
+            with self.assertRaisesRegex(TypeError, "tolerence.*tolerance"):
+                call(SCENE, tolerence=1e-3)
         with self.assertRaisesRegex(ValueError, "amplitude"):
-            vh.map(SCENE, amplitude=(4, 0.5), frequency=(18, 22))
+            vh.response_map(SCENE, amplitude=(4, 0.5), frequency=(18, 22))
         with self.assertRaisesRegex(ValueError, "not provided: --maximise"):
             vh.optimise(SCENE, {"load.resistance_ohm": (1e6, 1e10, "log")})
 
     def test_values_are_written_as_in_a_scene_file(self):
         law = {"kind": "constant", "coefficient": 0.5}
         long = {"run.duration_s": 2.0, "run.settle_s": 1.0}
-        found = vh.run(SCENE, set={**long, "parameters.restitution": law}, states_accuracy=False)
-        other = vh.run(SCENE, set=long, states_accuracy=False)
+        found = vh.run(SCENE, changes={**long, "parameters.restitution": law}, states_accuracy=False)
+        other = vh.run(SCENE, changes=long, states_accuracy=False)
         self.assertNotEqual(found["mean_power_w"], other["mean_power_w"])
 
     def test_a_map_of_a_linear_harvester_follows_the_square_law(self):
         scene = ROOT / "host-bench" / "scenes" / "bump-stop-none.toml"
         change = {"parameters.beam_modes": 1, "parameters.coupling": "one-way"}
-        mapped = vh.map(scene, (1.0, 8.0), (230, 250), places=30, set=change, step=2e-5)
+        mapped = vh.response_map(scene, (1.0, 8.0), (230, 250), places=30, changes=change, step=2e-5)
         self.assertLess(mapped.agreement["median"], 0.02)
         frequencies = np.array([235.0, 240.0])
         two, four = (mapped.at(amplitude, frequencies) for amplitude in (2.0, 4.0))
@@ -127,6 +148,10 @@ class Bindings(unittest.TestCase):
         self.assertIn("pub static MAP", mapped.module())
         self.assertTrue(mapped.picture.startswith("<svg"))
         self.assertTrue(mapped.page.startswith("<!doctype html>"))
+        again = pickle.loads(pickle.dumps(mapped))
+        self.assertEqual(again, mapped)
+        np.testing.assert_array_equal(again.at(2.0, frequencies)["value"], two["value"])
+        self.assertIn("made on a test day", mapped.module("made on a test day"))
 
     def test_a_fit_finds_what_made_the_data(self):
         # SciPy made the data with these values and noise: scenes/measured/contact_separation.py.
@@ -146,7 +171,7 @@ class Bindings(unittest.TestCase):
 
     def test_a_fitted_scene_that_was_asked_for_and_is_not_written_is_an_error(self):
         measured = ROOT / "host-bench" / "scenes" / "measured" / "contact-separation.toml"
-        off = {"set": {"parameters.stiffness_n_per_m": 70}, "starts": 0, "iterations": 1}
+        off = {"changes": {"parameters.stiffness_n_per_m": 70}, "starts": 0, "iterations": 1}
         self.assertFalse(vh.fit(measured, **off)["converged"])
         with tempfile.TemporaryDirectory() as folder:
             output = pathlib.Path(folder) / "fitted.toml"
@@ -160,21 +185,81 @@ class Bindings(unittest.TestCase):
         scene = ROOT / "host-bench" / "scenes" / "bump-stop-none.toml"
         change = {"parameters.beam_modes": 1, "parameters.coupling": "one-way"}
         over = {"load.resistance_ohm": (1e4, 1e7, "log")}
-        found = vh.optimise(scene, over, maximise="mean_power_w", set=change, steady_state=True, grid=9)
-        steady = vh.run(scene, set={**change, **found["point"]}, steady_state=True)
+        found = vh.optimise(scene, over, maximise="mean_power_w", changes=change, steady_state=True, grid=9)
+        steady = vh.run(scene, changes={**change, **found["point"]}, steady_state=True)
         half = vh.run(
             scene,
-            set={**change, "load.resistance_ohm": 0.5 * found["point"]["load.resistance_ohm"]},
+            changes={**change, "load.resistance_ohm": 0.5 * found["point"]["load.resistance_ohm"]},
             steady_state=True,
         )
         double = vh.run(
             scene,
-            set={**change, "load.resistance_ohm": 2.0 * found["point"]["load.resistance_ohm"]},
+            changes={**change, "load.resistance_ohm": 2.0 * found["point"]["load.resistance_ohm"]},
             steady_state=True,
         )
         # P(R) = P_m 2 (R/R_m)/(1 + (R/R_m)^2): 0.8 at half and at double the best load.
         for other in (half, double):
             self.assertAlmostEqual(other["mean_power_w"] / steady["mean_power_w"], 0.8, delta=2e-3)
+
+    def test_a_scene_is_a_path_a_text_or_its_tables(self):
+        found = vh.run(SCENE, changes=SHORT, states_accuracy=False)["mean_power_w"]
+        with_changes = dict(changes=SHORT, states_accuracy=False)
+        self.assertEqual(vh.run(SCENE.read_text(), **with_changes)["mean_power_w"], found)
+        self.assertEqual(vh.run(str(SCENE), **with_changes)["mean_power_w"], found)
+        law = {"kind": "velocity-dependent", "at_rest": 0.8, "at_speed": 0.5, "reference_speed_m_per_s": 0.3}
+        tables = {
+            "scene": "contact-separation",
+            "parameters": {
+                "mass_kg": 5e-3, "stiffness_n_per_m": 80.0, "damping_ratio": 0.005, "initial_gap_m": 3e-3,
+                "electrode_area_m2": 4e-4, "dielectric_thickness_m": 5e-5, "relative_permittivity": 2.0,
+                "charge_density_c_per_m2": 50e-6, "parasitic_capacitance_f": 1e-12, "force_law": "gap-field",
+                "stick_charge": "frozen", "restitution": law,
+            },
+            "load": {"kind": "resistor", "resistance_ohm": 1e8},
+            "excitation": {"kind": "sine", "amplitude_g": 0.2, "frequency_hz": 20.0},
+            "run": {"duration_s": 1.0, "settle_s": 0.2},
+        }
+        keys = {"excitation.amplitude_g": 0.2, "excitation.frequency_hz": 20.0, "load.resistance_ohm": 1e8}
+        same = vh.run(SCENE, changes={**SHORT, **keys}, states_accuracy=False)["mean_power_w"]
+        self.assertEqual(vh.run(tables, **with_changes)["mean_power_w"], same)
+        with self.assertRaisesRegex(ValueError, "^scene:3: load.resistance_ohm.*-1"):
+            vh.run({**tables, "load": {"kind": "resistor", "resistance_ohm": -1.0}})
+
+    def test_old_names_work_with_a_warning(self):
+        new = vh.run(SCENE, changes=SHORT, states_accuracy=False)
+        with self.assertWarnsRegex(DeprecationWarning, "changes"):
+            old = vh.run(SCENE, states_accuracy=False, **{"set": SHORT})
+        self.assertEqual(old["mean_power_w"], new["mean_power_w"])
+        with self.assertWarnsRegex(DeprecationWarning, "response_map"):
+            self.assertIs(vh.map, vh.response_map)
+
+    def test_an_executor_gives_the_same_sweep_and_a_lost_worker_costs_its_points(self):
+        over = {"load.resistance_ohm": [1e7, 1e8, 1e9], "excitation.amplitude_m_per_s2": [1.0, 2.0]}
+        options = dict(changes=SHORT, states_accuracy=False)
+        whole = vh.sweep(SCENE, over, **options)
+        context = multiprocessing.get_context("spawn")
+        with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as executor:
+            parts = vh.sweep(SCENE, over, executor=executor, points_per_task=2, **options)
+        measured = {"processor_s"}
+        for name in whole.keys() - measured:
+            np.testing.assert_array_equal(parts[name], whole[name], name)
+
+        lost = vh.sweep(SCENE, over, executor=Losing(2), points_per_task=2, **options)
+        self.assertEqual([error is None for error in lost["error"].ravel()], [True, True, False, False, True, True])
+        self.assertIn("BrokenProcessPool: killed", lost["error"][1, 0])
+        self.assertTrue(np.isnan(lost["mean_power_w"][1]).all())
+        again = vh.sweep(SCENE, over, resume=lost, **options)
+        for name in whole.keys() - measured:
+            np.testing.assert_array_equal(again[name], whole[name], name)
+        with self.assertRaisesRegex(ValueError, "resume: has other values of load.resistance_ohm"):
+            vh.sweep(SCENE, {**over, "load.resistance_ohm": [1e6, 1e8, 1e9]}, resume=lost, **options)
+        rows = vh.records(whole)
+        self.assertEqual(len(rows), 6)
+        self.assertEqual(rows[1]["mean_power_w"], whole["mean_power_w"][0, 1])
+
+    def test_the_package_has_its_version_and_types(self):
+        self.assertRegex(vh.__version__, r"^\d+\.\d+\.\d+$")
+        self.assertTrue((pathlib.Path(vh.__file__).parent / "py.typed").exists())
 
     def test_other_threads_run_meanwhile(self):
         done = threading.Event()

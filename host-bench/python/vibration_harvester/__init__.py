@@ -1,20 +1,32 @@
 """Models of vibration energy harvesters, by the embedded core that runs on a sensor node.
 
-A scene is the path of a scene file. ``set`` changes keys of it, as ``--set`` of the command line does:
-``set={"load.resistance_ohm": 1e6}``. Options have the names of the command line with underscores: ``method``,
-``precision``, ``math``, ``accuracy``, ``tolerance``, ``step``, ``long_step``. All quantities are in SI units and have their
-unit in their name.
+A scene is the path of a scene file, its text, or its tables as a dictionary; the path of a recording is then absolute.
+``changes`` replaces keys of it, as ``--set`` of the command line does: ``changes={"load.resistance_ohm": 1e6}``. Options have
+the names of the command line with underscores (:class:`Options`). All quantities are in SI units and have their unit in their
+name.
 
-Bad input raises ``ValueError``, a run that cannot be stepped to its end ``RuntimeError``. The interpreter lock is released
-while the engine runs. Ctrl-C ends the wait for a result at once; a sweep begins no further run, and what runs already goes on
-unseen to its end.
+Bad input raises ``ValueError``, an unknown keyword ``TypeError``, a run that cannot be stepped to its end ``RuntimeError``.
+The interpreter lock is released while the engine runs. Ctrl-C ends the wait for a result at once; a sweep begins no further
+run, and what runs already goes on unseen to its end.
 
 A number that a result does not have is ``None`` in a dictionary, and not-a-number in an array of ``sweep``.
 """
 
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import functools
+import importlib.metadata
 import json
 import os
+import pathlib
 import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, Union
 
 import numpy as np
 
@@ -26,20 +38,103 @@ except ImportError as error:
         f"{sys.version_info.major}.{sys.version_info.minor}, by `pip install ./host-bench/python` with Rust installed"
     ) from error
 
-__all__ = ["Map", "fit", "map", "optimise", "run", "sweep"]
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from typing_extensions import Unpack
+
+__all__ = ["Map", "fit", "optimise", "records", "response_map", "run", "sweep"]
+__version__ = importlib.metadata.version("vibration-harvester")
+
+Source = Union[str, "os.PathLike[str]", Mapping[str, Any]]
+"""A scene: path, text (with a line break), or tables."""
+Changes = Mapping[str, Any]
+"""Values of keys such as ``load.resistance_ohm``: numbers, texts, truth values, lists, tables."""
 
 
-def run(scene, *, set=None, trace_every=None, steady_state=False, states_accuracy=True, **options):
+class Options(TypedDict, total=False):
+    """Options of every run, by the names of the command line."""
+
+    method: str
+    precision: str
+    math: str
+    accuracy: float
+    tolerance: float
+    step: float
+    """In s."""
+    long_step: float
+    """In s."""
+
+
+class FitOptions(Options, total=False):
+    """Options of a fit."""
+
+    loss: str
+    starts: int
+    iterations: int
+    output: str | os.PathLike[str]
+    picture: str | os.PathLike[str]
+
+
+class OptimiseOptions(Options, total=False):
+    """Options of an optimisation."""
+
+    maximise: str
+    minimise: str
+    keep_margins: bool
+    grid: int
+    steady_state: bool
+    storage_voltage: float
+    """In V."""
+    single_start: bool
+    output: str | os.PathLike[str]
+    picture: str | os.PathLike[str]
+
+
+Rows = list[dict[str, Any]]
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def _with_old_names(function: Function) -> Function:
+    """Takes ``set`` for ``changes``, the name until 0.1, with a warning."""
+
+    @functools.wraps(function)
+    def call(*given: Any, **named: Any) -> Any:
+        if "set" in named:
+            warnings.warn("the keyword `set` is now `changes`", DeprecationWarning, stacklevel=2)
+            named["changes"] = named.pop("set")
+        return function(*given, **named)
+
+    return call  # type: ignore[return-value]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "map":
+        warnings.warn("`map` is now `response_map`", DeprecationWarning, stacklevel=2)
+        return response_map
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+@_with_old_names
+def run(
+    scene: Source,
+    *,
+    changes: Changes | None = None,
+    trace_every: float | None = None,
+    steady_state: bool = False,
+    states_accuracy: bool = True,
+    **options: Unpack[Options],
+) -> dict[str, Any]:
     """Runs a scene.
 
     Returns the object of ``run --format json`` as a dictionary. With ``trace_every`` in s it has ``trace``, a dictionary of
-    arrays: the recorded motion, one array for each column. ``steady_state`` seeks the periodic steady state by shooting in
-    place of the run. Without ``states_accuracy`` the scene is run once only, and the result has no accuracy statement.
+    arrays of shape (samples,): the recorded motion, one array for each column. ``steady_state`` seeks the periodic steady
+    state by shooting in place of the run. Without ``states_accuracy`` the scene is run once only, and the result has no
+    accuracy statement.
     """
-    text, trace = _native.run(
-        scene, _overrides(set), _arguments(options), (trace_every, steady_state, states_accuracy)
-    )
-    found = json.loads(text)
+    arguments = _arguments(options, Options)
+    with _file(scene) as path:
+        text, trace = _native.run(path, _overrides(changes), arguments, (trace_every, steady_state, states_accuracy))
+    found: dict[str, Any] = json.loads(text)
     if trace is not None:
         columns, values = trace
         rows = np.frombuffer(values).reshape(-1, len(columns))
@@ -47,50 +142,121 @@ def run(scene, *, set=None, trace_every=None, steady_state=False, states_accurac
     return found
 
 
-def sweep(scene, over, *, set=None, steady_state=False, states_accuracy=True, **options):
+@_with_old_names
+def sweep(
+    scene: Source,
+    over: Mapping[str, ArrayLike],
+    *,
+    changes: Changes | None = None,
+    steady_state: bool = False,
+    states_accuracy: bool = True,
+    executor: Executor | None = None,
+    points_per_task: int = 1,
+    resume: Mapping[str, np.ndarray] | None = None,
+    **options: Unpack[Options],
+) -> dict[str, np.ndarray]:
     """Runs a scene at all combinations of values, on all cores.
 
     ``over`` has an array of values for each key, such as ``{"excitation.frequency_hz": np.linspace(15, 25, 41)}``. Returns a
     dictionary of arrays with one axis for each key, in the order of ``over``: the keys themselves, and each result of
     ``run``. A number is a double, not-a-number where there is none; a text, a list or an object is an element of an array of
     objects. ``error`` has the reason where a run failed, else ``None``.
+
+    Any ``concurrent.futures.Executor`` runs the points in its workers, ``points_per_task`` in each task: that of
+    ``dask.distributed.Client.get_executor()``, ``mpi4py.futures``, ``loky``. The results have the same bits. Points whose
+    worker is lost have an ``error``, unless the executor submits them again; ``resume``, the result of such a sweep over the
+    same values, runs these alone.
     """
-    keys = [(key, np.asarray(values, dtype=float).ravel().tolist()) for key, values in over.items()]
-    texts = _native.sweep(scene, _overrides(set), keys, _arguments(options), (steady_state, states_accuracy))
-    rows = [json.loads(text) for text in texts]
-    shape = tuple(len(values) for _, values in keys)
-    grid = np.meshgrid(*(values for _, values in keys), indexing="ij")
-    found = {key: values for (key, _), values in zip(keys, grid)}
+    values = {key: np.asarray(of_key, dtype=float).ravel() for key, of_key in over.items()}
+    grid = dict(zip(values, np.meshgrid(*values.values(), indexing="ij")))
+    shape = tuple(len(of_key) for of_key in values.values())
+    points = np.stack([of_key.ravel() for of_key in grid.values()], axis=1)
+    call = functools.partial(
+        _rows, scene, _overrides(changes), list(values), _arguments(options, Options), (steady_state, states_accuracy)
+    )
+    kept = [None] * len(points) if resume is None else _finished(resume, grid)
+    open_points = points[[row is None for row in kept]].tolist()
+    found = iter(call(open_points) if executor is None else _in_tasks(executor, points_per_task, call, open_points))
+    rows = [next(found) if row is None else row for row in kept]
     names = dict.fromkeys(name for row in rows for name in row)
     names.setdefault("error")
-    found.update((name, _array(name, [row.get(name) for row in rows], shape)) for name in names)
-    return found
+    return {**grid, **{name: _array(name, [row.get(name) for row in rows], shape) for name in names}}
 
 
+def records(swept: Mapping[str, np.ndarray]) -> list[dict[str, Any]]:
+    """The points of a sweep as one dictionary each, as ``pandas.DataFrame`` takes them."""
+    return [dict(zip(swept, point)) for point in zip(*(of_name.ravel().tolist() for of_name in swept.values()))]
+
+
+def _rows(
+    scene: Source,
+    changes: list[tuple[str, str]],
+    keys: list[str],
+    arguments: list[str],
+    how: tuple[bool, bool],
+    points: list[list[float]],
+) -> list[dict[str, Any]]:
+    """The results at some points, in a worker."""
+    with _file(scene) as path:
+        return [json.loads(text) for text in _native.sweep(path, changes, keys, points, arguments, how)]
+
+
+def _in_tasks(
+    executor: Executor, size: int, call: Callable[..., Rows], points: list[list[float]]
+) -> Iterator[dict[str, Any]]:
+    """The results of all points, in their order; bad input is raised, another failure is that of the points of its task."""
+    parts = [points[first : first + size] for first in range(0, len(points), size)]
+    tasks = [executor.submit(call, part) for part in parts]
+    for task, part in zip(tasks, parts):
+        try:
+            yield from task.result()
+        except (ValueError, TypeError):
+            raise
+        except Exception as error:
+            yield from ({"error": f"{type(error).__name__}: {error}"} for _ in part)
+
+
+def _finished(resume: Mapping[str, np.ndarray], grid: Mapping[str, np.ndarray]) -> list[dict[str, Any] | None]:
+    """The rows of a sweep without an error, ``None`` for each with one."""
+    for key, of_key in grid.items():
+        if key not in resume or not np.array_equal(resume[key], of_key):
+            raise ValueError(f"resume: has other values of {key}")
+    rows = records({name: of_name for name, of_name in resume.items() if name not in grid})
+    # Not-a-number alone differs from itself.
+    kept = [{name: None if value != value else value for name, value in row.items()} for row in rows]
+    return [row if row["error"] is None else None for row in kept]
+
+
+@dataclasses.dataclass(frozen=True)
 class Map:
-    """A response map: the steady output power of a harvester over amplitude and frequency, as a node has it in flash.
+    """A response map: the steady output power of a harvester over amplitude and frequency, as a node has it in flash."""
 
-    ``agreement`` is how well it agrees with the full model at random places, ``image`` its bytes, ``picture`` an SVG,
-    ``page`` an HTML page.
-    """
+    image: bytes
+    """The words of the map, little-endian."""
+    fingerprint: int
+    """Of the harvester."""
+    agreement: dict[str, float]
+    """How well the map agrees with the full model at random places."""
+    picture: str = dataclasses.field(repr=False)
+    """The map as SVG."""
+    page: str = dataclasses.field(repr=False)
+    """All slices of the map as an HTML page with zoom, and with the output power at the pointer."""
+    _module: str = dataclasses.field(repr=False)
 
-    def __init__(self, native):
-        self._native = native
-        self.agreement = json.loads(native.agreement())
-        self.image = native.image()
-
-    def at(self, amplitude_m_per_s2, frequency_hz, voltage_v=None):
+    def at(
+        self, amplitude_m_per_s2: ArrayLike, frequency_hz: ArrayLike, voltage_v: float | None = None
+    ) -> dict[str, np.ndarray]:
         """Looks places up, by the code of the node; the arguments are broadcast.
 
-        Returns ``value``, ``low`` and ``high`` in W, or behind a bridge in A: the value of the smaller motion, and the bounds
-        of all; not-a-number outside the map. ``motion`` is 0 for the lower motion, 1 for the upper one, 2 where there are
-        both, 3 outside.
+        Returns arrays of the broadcast shape: ``value``, ``low`` and ``high`` in W, or behind a bridge in A: the value of the
+        smaller motion, and the bounds of all; not-a-number outside the map. ``motion`` is 0 for the lower motion, 1 for the
+        upper one, 2 where there are both, 3 outside.
         """
         amplitude, frequency = np.broadcast_arrays(
             np.asarray(amplitude_m_per_s2, dtype=float), np.asarray(frequency_hz, dtype=float)
         )
         places = np.stack([amplitude.ravel(), frequency.ravel()], axis=1).tolist()
-        values, motions = self._native.at(places, voltage_v)
+        values, motions = _native.look_up(self.image, self.fingerprint, places, voltage_v)
         numbers = np.frombuffer(values).reshape(*amplitude.shape, 3)
         return {
             "value": numbers[..., 0].copy(),
@@ -99,22 +265,31 @@ class Map:
             "motion": np.frombuffer(motions, dtype=np.uint8).reshape(amplitude.shape).copy(),
         }
 
-    def module(self, command="vibration_harvester.map"):
+    def module(self, command: str = "vibration_harvester.response_map") -> str:
         """The map as a Rust module for firmware; ``command`` is named in its head."""
-        return self._native.module(command)
+        return self._module.replace(_COMMAND, " ".join(command.split()), 1)
 
-    @property
-    def picture(self):
-        """A picture of the map as SVG."""
-        return self._native.picture()
-
-    @property
-    def page(self):
-        """All slices of the map as an HTML page with zoom, and with the output power at the pointer."""
-        return self._native.page()
+    def _repr_svg_(self) -> str:
+        return self.picture
 
 
-def map(scene, amplitude, frequency, *, voltage=(), error=0.02, places=300, seed=1, set=None, **options):
+# What stands for the command in the head of a module.
+_COMMAND = "vibration_harvester"
+
+
+@_with_old_names
+def response_map(
+    scene: Source,
+    amplitude: Sequence[float],
+    frequency: Sequence[float],
+    *,
+    voltage: ArrayLike = (),
+    error: float = 0.02,
+    places: int = 300,
+    seed: int = 1,
+    changes: Changes | None = None,
+    **options: Unpack[Options],
+) -> Map:
     """Makes the response map of a scene, on all cores: a matter of a minute or two of one core.
 
     ``amplitude`` in m/s² and ``frequency`` in Hz are pairs (lowest, highest), ``voltage`` the rising voltages of the storage
@@ -122,10 +297,23 @@ def map(scene, amplitude, frequency, *, voltage=(), error=0.02, places=300, seed
     """
     ranges = [tuple(float(number) for number in pair) for pair in (amplitude, frequency)]
     voltages = np.asarray(voltage, dtype=float).ravel().tolist()
-    return Map(_native.map(scene, _overrides(set), ranges, voltages, (error, places, seed), _arguments(options)))
+    arguments = _arguments(options, Options)
+    with _file(scene) as path:
+        image, fingerprint, agreement, picture, page, module = _native.response_map(
+            path, _overrides(changes), ranges, voltages, (error, places, seed), arguments, _COMMAND
+        )
+    return Map(image, fingerprint, json.loads(agreement), picture, page, module)
 
 
-def fit(scene, data=(), free=(), *, set=None, loss=None, starts=None, output=None, picture=None, **options):
+@_with_old_names
+def fit(
+    scene: Source,
+    data: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
+    free: str | Iterable[str] = (),
+    *,
+    changes: Changes | None = None,
+    **options: Unpack[FitOptions],
+) -> dict[str, Any]:
     """Fits parameters of a scene to measurements, on all cores.
 
     ``data`` are CSV files, ``free`` keys, each as ``"KEY"`` or ``"KEY=LOW:HIGH"``; without them those of the table ``[fit]`` of
@@ -134,57 +322,89 @@ def fit(scene, data=(), free=(), *, set=None, loss=None, starts=None, output=Non
     ``picture`` that for data, model and residuals. With ``output`` a fit that has not converged, or whose data do not determine
     all free keys, raises ``RuntimeError``, because the file is not written then.
     """
-    arguments = [str(scene), *_given("set", set), *_repeated("data", data), *_repeated("free", free)]
-    arguments += _arguments({"loss": loss, "starts": starts, "output": output, "picture": picture, **options})
-    return json.loads(_native.fit(arguments))
+    arguments = [*_given(changes), *_repeated("data", data), *_repeated("free", free), *_arguments(options, FitOptions)]
+    with _file(scene) as path:
+        found: dict[str, Any] = json.loads(_native.fit([path, *arguments]))
+    return found
 
 
-def optimise(scene, over, *, maximise=None, minimise=None, subject_to=(), set=None, steady_state=False, **options):
+@_with_old_names
+def optimise(
+    scene: Source,
+    over: Mapping[str, Sequence[Any]],
+    *,
+    subject_to: str | Iterable[str] = (),
+    changes: Changes | None = None,
+    **options: Unpack[OptimiseOptions],
+) -> dict[str, Any]:
     """Seeks the values of one to four keys at which a number of the result is largest or smallest, on all cores.
 
-    ``over`` has the range of each key, (low, high) or (low, high, "log"), ``subject_to`` bounds such as
-    ``"peak_gap_m<=0.004"``. Returns the object of ``optimise --format json``: ``value``, ``point``,
-    ``range_within_1_percent`` and others. ``grid``, ``output``, ``picture`` and ``keep_margins=True``
-    are those of the command line.
+    ``over`` has the range of each key, (low, high) or (low, high, "log"), ``maximise`` or ``minimise`` the number,
+    ``subject_to`` bounds such as ``"peak_gap_m<=0.004"``. Returns the object of ``optimise --format json``: ``value``,
+    ``point``, ``range_within_1_percent`` and others.
     """
     ranges = [f"{key}={':'.join(str(end) for end in ends)}" for key, ends in over.items()]
-    arguments = [str(scene), *_given("set", set), *_repeated("over", ranges), *_repeated("subject-to", subject_to)]
-    arguments += ["--steady-state"] if steady_state else []
-    arguments += _arguments({"maximise": maximise, "minimise": minimise, **options})
-    return json.loads(_native.optimise(arguments))
+    arguments = [*_given(changes), *_repeated("over", ranges), *_repeated("subject-to", subject_to)]
+    arguments += _arguments(options, OptimiseOptions)
+    with _file(scene) as path:
+        found: dict[str, Any] = json.loads(_native.optimise([path, *arguments]))
+    return found
 
 
-def _given(name, changes):
+@contextlib.contextmanager
+def _file(scene: Source) -> Iterator[str]:
+    """The path of a scene file: that of the caller, or of a temporary one with the text or the tables."""
+    if isinstance(scene, Mapping):
+        text = "\n".join(f"{json.dumps(key)} = {_toml(value)}" for key, value in scene.items())
+    elif isinstance(scene, str) and "\n" in scene:
+        text = scene
+    else:
+        yield os.fspath(scene)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "scene.toml"
+        path.write_text(text, encoding="utf-8")
+        try:
+            yield str(path)
+        except (ValueError, RuntimeError) as error:
+            raise type(error)(str(error).replace(str(path), "scene")) from None
+
+
+def _given(changes: Changes | None) -> list[str]:
     """Keys and values as one option each."""
-    return [f"--{name}={key}={value}" for key, value in _overrides(changes)]
+    return [f"--set={key}={value}" for key, value in _overrides(changes)]
 
 
-def _repeated(name, values):
+def _repeated(name: str, values: Any) -> list[str]:
     """An option for each value; a single text is one value."""
     values = [values] if isinstance(values, (str, os.PathLike)) else values
     return [f"--{name}={value}" for value in values]
 
 
-def _overrides(changes):
+def _overrides(changes: Changes | None) -> list[tuple[str, str]]:
     """Keys and values as the command line has them."""
     return [(key, _toml(value)) for key, value in (changes or {}).items()]
 
 
-def _toml(value):
+def _toml(value: Any) -> str:
     """A value as a scene file has it: numbers, texts, truth values, lists and tables."""
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{key} = {_toml(entry)}" for key, entry in value.items()) + " }"
     if isinstance(value, (list, tuple, np.ndarray)):
         return "[" + ", ".join(_toml(entry) for entry in value) + "]"
-    if isinstance(value, str):
-        return json.dumps(value)
+    if isinstance(value, (str, os.PathLike)):
+        return json.dumps(os.fspath(value))
     return repr(value.item() if isinstance(value, np.generic) else value)
 
 
-def _arguments(options):
+def _arguments(options: Mapping[str, Any], known: type) -> list[str]:
     """Options as arguments of the command line; one that is True has no value there."""
+    for name in options:
+        if name not in known.__annotations__:
+            names = ", ".join(known.__annotations__)
+            raise TypeError(f"{name!r} is no option; the options are {names}")
     given = [(name, value) for name, value in options.items() if value is not None and value is not False]
     named = [(f"--{name.replace('_', '-')}", value) for name, value in given]
     return [name if value is True else f"{name}={value}" for name, value in named]
@@ -194,7 +414,7 @@ def _arguments(options):
 _OBJECTS = {"accuracy", "error", "math", "method", "precision", "scene", "steady_state", "warnings"}
 
 
-def _array(name, values, shape):
+def _array(name: str, values: list[Any], shape: tuple[int, ...]) -> np.ndarray:
     """Values of one name at all points: doubles if all are numbers or absent, else objects."""
     if name not in _OBJECTS and all(value is None or type(value) in (int, float) for value in values):
         numbers = [np.nan if value is None else value for value in values]
