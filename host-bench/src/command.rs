@@ -18,6 +18,7 @@ pub mod run;
 pub mod stability;
 pub mod stop;
 pub mod sweep;
+pub mod tolerance;
 pub mod work_precision;
 
 use std::io::Write;

@@ -6,7 +6,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser};
 use host_bench::command::{
     attractors, be_quiet, budget, findings, fit, keys, map, needs, node_strategies, on_target, optimise,
-    plot, print, report, resonance, run, stability, stop, sweep, work_precision,
+    plot, print, report, resonance, run, stability, stop, sweep, tolerance, work_precision,
 };
 use host_bench::method::Failure;
 
@@ -99,6 +99,11 @@ enum Command {
         after_help = "Run time: that of its points on all cores; the accuracy statement of a point takes further runs, --no-accuracy leaves it out"
     )]
     Sweep(sweep::SweepArguments),
+    /// How a number of the result spreads where keys vary from part to part: percentiles, yield, and which key matters
+    #[command(
+        after_help = "Run time: that of its samples on all cores, each with its accuracy statement as a point of sweep; --no-accuracy and --single-start leave runs out"
+    )]
+    Tolerance(tolerance::ToleranceArguments),
     /// Error against run time: methods, steps, tolerances, precisions, math backends
     WorkPrecision(work_precision::WorkPrecisionArguments),
     #[cfg(feature = "peers")]
@@ -107,7 +112,7 @@ enum Command {
 }
 
 /// An example of each command for its help.
-const EXAMPLES: [&str; 22] = [
+const EXAMPLES: [&str; 23] = [
     "attractors scene.toml --starts 50 --picture basins.svg",
     "budget node.toml --set node.storage.capacitance_f=300m",
     "closed-form beam.toml --set load.resistance_ohm=33k",
@@ -130,6 +135,7 @@ const EXAMPLES: [&str; 22] = [
     "stability --grid coarse",
     "stop beam.toml --over stop.gap_m=0.1m:0.5m:9",
     "sweep scene.toml --over load.resistance_ohm=100k:1G:41:log --output target/sweep",
+    "tolerance scene.toml --vary parameters.mass_kg=±2% --vary load.resistance_ohm=+-5%:normal --at-least 1e-5",
     "work-precision scene.toml --format csv",
 ];
 
@@ -178,6 +184,7 @@ fn main() -> ExitCode {
         Some(Command::Stability(arguments)) => stability::run(arguments),
         Some(Command::Stop(arguments)) => stop::run(arguments),
         Some(Command::Sweep(arguments)) => sweep::run(arguments),
+        Some(Command::Tolerance(arguments)) => tolerance::run(arguments),
         Some(Command::WorkPrecision(arguments)) => work_precision::run(arguments),
         #[cfg(feature = "peers")]
         Some(Command::WorkPrecisionRow(arguments)) => work_precision::run_row(arguments),

@@ -240,25 +240,25 @@ impl Request<'_> {
 
     /// Refuses a quantity that the result of the scene does not have.
     fn check_quantities(&self, outcome: &Outcome) -> Result<(), Failure> {
-        let numbers = flattened(fields(outcome));
-        for (option, name) in self.quantities() {
-            if !numbers.get(name).is_some_and(|value| value.is_number() || value.is_null()) {
-                let known =
-                    numbers.iter().filter(|(key, value)| value.is_number() && irrelevant(key).is_none());
-                let known: Vec<&str> = known.map(|(key, _)| key.as_str()).collect();
-                let known = known.join(", ");
-                return Err(Failure::Input(format!(
-                    "{option} {name}: must be a number of the result: {known}"
-                )));
-            }
-        }
-        Ok(())
+        self.quantities().try_for_each(|(option, name)| check_quantity(option, name, outcome))
     }
 
     /// The value in its own sign.
     pub(crate) fn signed(&self, value: f64) -> f64 {
         if self.is_largest { value } else { -value }
     }
+}
+
+/// Refuses a number that the result of a scene does not have.
+pub(crate) fn check_quantity(option: &str, name: &str, outcome: &Outcome) -> Result<(), Failure> {
+    let numbers = flattened(fields(outcome));
+    if numbers.get(name).is_some_and(|value| value.is_number() || value.is_null()) {
+        return Ok(());
+    }
+    let known = numbers.iter().filter(|(key, value)| value.is_number() && irrelevant(key).is_none());
+    let known: Vec<&str> = known.map(|(key, _)| key.as_str()).collect();
+    let known = known.join(", ");
+    Err(Failure::Input(format!("{option} {name}: must be a number of the result: {known}")))
 }
 
 /// Why a number of the result says nothing of the harvester; `None` of one that does.

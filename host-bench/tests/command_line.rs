@@ -34,6 +34,7 @@ mod command_line {
     mod step_errors;
     mod stop;
     mod sweep;
+    mod tolerance;
     mod tool;
     mod trace_columns;
     mod traces;

@@ -210,6 +210,23 @@ impl Table<'_> {
     }
 }
 
+/// The columns of a file of numbers, with their names.
+pub(crate) fn columns(file: &Path) -> Result<Vec<(String, Vec<f64>)>, Failure> {
+    let table = Table::read(file)?;
+    table.check_names(
+        "file of numbers",
+        &table.heading.iter().map(String::as_str).collect::<Vec<_>>(),
+        &[],
+    )?;
+    let column = |name: &String| {
+        let values = table.numbers(name, f64::MIN, f64::MAX)?;
+        values
+            .filter(|values| !values.is_empty())
+            .map_or_else(|| table.refuse("has no row below its heading"), |values| Ok((name.clone(), values)))
+    };
+    table.heading.iter().map(column).collect()
+}
+
 /// Reads a file of measurements of a scene.
 pub(crate) fn read(file: &Path, scene: &Scene) -> Result<Data, Failure> {
     let table = Table::read(file)?;

@@ -129,6 +129,15 @@ pub(crate) fn label(key: &str) -> String {
     if unit.is_empty() || unit == "1" { words } else { format!("{words} [{unit}]") }
 }
 
+/// A number of a result such as `mean_power_w` in words, and its unit.
+pub(crate) fn number_and_unit(name: &str) -> (String, &'static str) {
+    let units = ["m/s²", "m/s", "Hz", "Pa", "W", "V", "J", "A", "m", "s"];
+    let mut found =
+        units.iter().filter_map(|unit| Some((name.strip_suffix(&format!("_{}", written(unit)))?, *unit)));
+    let (words, unit) = found.next().unwrap_or((name, ""));
+    (words.replace('_', " "), unit)
+}
+
 /// A unit as the name of a key ends with it: `m_per_s2` for m/s².
 fn written(unit: &str) -> String {
     let mut text = String::new();
@@ -173,6 +182,13 @@ mod tests {
         assert_eq!(distinct_labels(&[2e-3, 4e-8], "kg"), ["0.002 kg", "4e-8 kg"]);
         assert_eq!(distinct_labels(&[0.5], ""), ["0.5"]);
         assert_eq!(words_and_unit("parameters.beam_length_m"), ("beam length".to_owned(), "m".to_owned()));
+        for (name, expected) in [
+            ("mean_power_w", ("mean power", "W")),
+            ("max_impact_speed_m_per_s", ("max impact speed", "m/s")),
+            ("impacts", ("impacts", "")),
+        ] {
+            assert_eq!(number_and_unit(name), (expected.0.to_owned(), expected.1));
+        }
         assert_eq!(words_and_unit("parameters.damping_ratio"), ("damping ratio".to_owned(), String::new()));
     }
 

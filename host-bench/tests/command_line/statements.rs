@@ -17,11 +17,13 @@ fn states(arguments: &[&str]) {
 }
 
 #[test]
-fn an_optimum_a_resonance_and_seeds_have_a_statement() {
+fn an_optimum_a_tolerance_a_resonance_and_seeds_have_a_statement() {
     let short = ["--set", "run={duration_s=2,settle_s=1}", "--set", "excitation.amplitude_g=0.05"];
     let over =
         ["optimise", SHIPPED, "--maximise", "mean_power_w", "--over", "load.resistance_ohm=1e7:1e9:log"];
     states(&[&over[..], &["--grid", "3"], &short].concat());
+    let vary = ["tolerance", SHIPPED, "--vary", "load.resistance_ohm=±5%", "--samples", "3"];
+    states(&[&vary[..], &short].concat());
     let range = ["resonance", SHIPPED, "--from", "19", "--to", "21", "--points", "5"];
     states(&[&range[..], &["--set", "excitation.amplitude_g=0.02"]].concat());
     let truck = format!("{SCENES}contact-separation-truck.toml");

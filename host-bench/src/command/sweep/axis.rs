@@ -9,14 +9,14 @@ const MOST: usize = 100_000;
 
 /// Values for one key of a scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub(in crate::command) struct Axis {
     /// The key, such as `load.resistance_ohm`.
-    pub key: String,
+    pub(in crate::command) key: String,
     from: f64,
     to: f64,
     count: usize,
     /// Whether the values are spread evenly in their logarithm.
-    pub logarithmic: bool,
+    pub(super) logarithmic: bool,
 }
 
 impl Axis {
@@ -26,12 +26,12 @@ impl Axis {
     }
 
     /// Number of values.
-    pub fn count(&self) -> usize {
+    pub(in crate::command) fn count(&self) -> usize {
         self.count
     }
 
     /// The value with the given index; the first and the last are exactly FROM and TO.
-    pub fn value(&self, index: usize) -> f64 {
+    pub(in crate::command) fn value(&self, index: usize) -> f64 {
         if index == 0 {
             return self.from;
         }

@@ -1,18 +1,17 @@
 //! Messages on all points of a sweep: their warnings, and the best of them.
 
-use super::{Axis, Point, SweepArguments, indices, place, scene};
+use super::points::{Compared, Point, Points};
+use super::{Axis, indices};
 use crate::embedded;
-use crate::method::{Failure, Options};
-use crate::outcome::{LIMIT, MODEL, Outcome};
+use crate::outcome::{LIMIT, MODEL};
 use crate::resolution::is_of_a_far_sine;
-use crate::run::{run_scene, try_run_scene};
-use crate::scene_file::Scene;
+use crate::run::run_scene;
 use crate::shift::Best;
 
 /// The warnings of the points together. A row has its own warnings in JSON and CSV.
-pub(super) fn warnings(axes: &[Axis], points: &[Point]) -> impl Iterator<Item = String> {
-    let first = |kind| first_of(axes, points, |warning| warning.starts_with(kind)).map(|(_, text)| text);
-    let others = [most_created(axes, points), all_far(axes, points)];
+pub(in crate::command) fn warnings(points: &[Point]) -> impl Iterator<Item = String> {
+    let first = |kind| first_of(points, |warning| warning.starts_with(kind)).map(|(_, text)| text);
+    let others = [most_created(points), all_far(points)];
     others.into_iter().chain(KINDS.map(first)).flatten()
 }
 
@@ -22,7 +21,7 @@ const KINDS: [&str; 4] = ["accuracy:", "attractors:", LIMIT, MODEL];
 
 /// The warning of the point whose force law created the largest share of the delivered energy, with the number of the
 /// points that warn.
-fn most_created(axes: &[Axis], points: &[Point]) -> Option<String> {
+fn most_created(points: &[Point]) -> Option<String> {
     let warned = points.iter().filter_map(|point| {
         let share = point.number("created_energy_share").map_or(0.0, f64::abs);
         let is_other = |warning: &&str| {
@@ -33,7 +32,7 @@ fn most_created(axes: &[Axis], points: &[Point]) -> Option<String> {
     });
     let count = warned.clone().count();
     let (point, warning, _) = warned.max_by(|(.., one), (.., other)| one.total_cmp(other))?;
-    Some(format!("at {count} of {} points, the most at {}: {warning}", points.len(), place(axes, point)))
+    Some(format!("at {count} of {} points, the most at {}: {warning}", points.len(), point.place()))
 }
 
 /// The point with the largest mean power, its index, and the power in W; `None` unless there are several points.
@@ -44,38 +43,39 @@ pub(super) fn best(points: &[Point]) -> Option<(usize, &Point, f64)> {
 }
 
 /// It in words.
-pub(super) fn best_text(axes: &[Axis], (_, point, power): (usize, &Point, f64)) -> String {
+pub(super) fn best_text((_, point, power): (usize, &Point, f64)) -> String {
     let accuracy = point.found.as_ref().ok().and_then(|fields| fields.get("accuracy"));
     let stated = match (accuracy.and_then(|accuracy| accuracy.get("total")?.as_f64()), point.is_stated()) {
         (Some(total), _) => format!(", stated error {total:.1e}"),
         (None, true) => ", stated error unknown".to_owned(),
         (None, false) => String::new(),
     };
-    format!("largest mean_power_w {power:e} at {}{stated}", place(axes, point))
+    format!("largest mean_power_w {power:e} at {}{stated}", point.place())
 }
 
 /// The warning of a best point that may be a lucky one.
 pub(super) fn doubt(
-    arguments: &SweepArguments,
-    options: &Options,
+    axes: &[Axis],
+    points: &Points<'_>,
     (index, point, value): (usize, &Point, f64),
 ) -> Option<String> {
-    let axes = &arguments.axes;
+    let options = points.arguments.options();
+    let own: Vec<f64> = point.values.iter().map(|(_, value)| *value).collect();
     let moved: Vec<usize> = (0..axes.len()).filter(|&axis| axes[axis].count() > 1).collect();
     let indices = indices(axes, index);
     let part = |&axis: &usize| indices[axis] as f64 / (axes[axis].count() - 1) as f64;
     let parts: Vec<f64> = moved.iter().map(part).collect();
     let at = |parts: &[f64]| {
-        let mut values = point.values.clone();
+        let mut values = own.clone();
         moved.iter().zip(parts).for_each(|(&axis, part)| values[axis] = axes[axis].at(*part));
-        run_scene(&scene(arguments, &values).ok()?, options).ok()?.mean_power_w
+        run_scene(&points.scene(&values).ok()?, &options).ok()?.mean_power_w
     };
     Best {
         quantity: "mean_power_w",
         place: &parts,
         value,
-        scene: scene(arguments, &point.values).ok()?,
-        options: *options,
+        scene: points.scene(&own).ok()?,
+        options,
         verdict: point.text("steady_state"),
         shoot: &embedded::steady_state,
         at: &at,
@@ -83,62 +83,20 @@ pub(super) fn doubt(
     .doubt()
 }
 
-/// Whether a warning is about the accuracy of the numbers.
-pub(super) fn is_of_accuracy(warning: &str) -> bool {
-    warning.starts_with("accuracy:")
-}
-
 /// The warning of sines that are far from every resonance, where all points have it: a sweep may go beyond the resonances on
 /// purpose.
-fn all_far(axes: &[Axis], points: &[Point]) -> Option<String> {
-    first_of(axes, points, is_of_a_far_sine).filter(|(count, _)| *count == points.len()).map(|(_, text)| text)
+fn all_far(points: &[Point]) -> Option<String> {
+    first_of(points, is_of_a_far_sine).filter(|(count, _)| *count == points.len()).map(|(_, text)| text)
 }
 
 /// How many points have a warning of a kind, and the first of them in words.
-fn first_of(axes: &[Axis], points: &[Point], is_of_kind: impl Fn(&str) -> bool) -> Option<(usize, String)> {
+fn first_of(points: &[Point], is_of_kind: impl Fn(&str) -> bool) -> Option<(usize, String)> {
     let warned = points
         .iter()
         .filter_map(|point| Some((point, point.warnings().find(|warning| is_of_kind(warning))?)));
     let count = warned.clone().count();
     let (point, warning) = warned.clone().next()?;
-    Some((
-        count,
-        format!("at {count} of {} points, the first at {}: {warning}", points.len(), place(axes, point)),
-    ))
-}
-
-/// One point: the steady state, and the run of the scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Compared {
-    /// Simulated periods of each.
-    periods: [f64; 2],
-    /// Time of each in s, if the run was made.
-    seconds: Option<[f64; 2]>,
-    is_stable: bool,
-}
-
-/// Compares the steady state with the run, which is made if the arguments ask for it; `None` if no steady
-/// state was sought.
-pub(super) fn compared(
-    scene: &Scene,
-    outcome: &Outcome,
-    arguments: &SweepArguments,
-) -> Result<Option<Compared>, Failure> {
-    let (Some(steady), Some(frequency)) = (&outcome.steady_state, scene.excitation.single_frequency()) else {
-        return Ok(None);
-    };
-    let seconds = if arguments.compare {
-        let options = Options { steady_state: false, ..arguments.scene.options };
-        // A run that fails leaves nothing to compare with.
-        try_run_scene(scene, &options)?.ok().map(|run| [outcome.processor_s, run.processor_s])
-    } else {
-        None
-    };
-    Ok(Some(Compared {
-        periods: [steady.simulated_periods, frequency * scene.run.duration_s],
-        seconds,
-        is_stable: outcome.is_of_an_orbit(),
-    }))
+    Some((count, format!("at {count} of {} points, the first at {}: {warning}", points.len(), point.place())))
 }
 
 /// The costs of all points together in words; `None` over no points.

@@ -1,4 +1,4 @@
-//! The points of a sweep as they are done: an interrupted sweep goes on from them.
+//! The points of a command as they are done: one that was interrupted goes on from them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,8 +9,11 @@ use crate::command::rows::{self, Kind};
 use crate::method::Failure;
 use crate::outcome::Fields;
 
-/// The file beside the table, one JSON object a line, with its checksum behind it. It is removed when the table is whole.
-pub(super) const ROWS: &str = "sweep.rows.jsonl";
+/// The file beside the table of a command, one JSON object a line, with its checksum behind it. It is removed when the table is
+/// whole.
+pub(super) fn file_of(command: &str) -> String {
+    format!("{command}.rows.jsonl")
+}
 
 /// The points that are done, in a file.
 pub(super) struct Rows {
@@ -19,15 +22,17 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// Opens the file in this folder, or makes it. `identity` says which sweep it is of; points of another are refused.
-    pub(super) fn open(folder: &Path, identity: &str) -> Result<Self, Failure> {
+    /// Opens the file in this folder, or makes it. `identity` says of which points it is; others are refused.
+    pub(super) fn open(folder: &Path, command: &str, identity: &str) -> Result<Self, Failure> {
         let kind = Kind {
             option: "--output",
-            heading: &json!({ "sweep": identity }).to_string(),
+            heading: &json!({ command: identity }).to_string(),
             earlier: "{\"sweep\":",
-            other: "has the points of another sweep, or of another build; remove it, or give another folder",
+            other: &format!(
+                "has the points of another {command}, or of another build; remove it, or give another folder"
+            ),
         };
-        let (file, known) = rows::Rows::open(&folder.join(ROWS), kind, point, |_| Ok(()))?;
+        let (file, known) = rows::Rows::open(&folder.join(file_of(command)), kind, point, |_| Ok(()))?;
         Ok(Self { file, known })
     }
 

@@ -1,0 +1,258 @@
+//! `tolerance`: how a number of the result spreads where keys vary from part to part.
+
+mod sampling;
+mod statistics;
+
+use std::path::PathBuf;
+
+use comfy_table::presets;
+use serde_json::{Value, json};
+
+use self::sampling::{Correlation, GENERATOR, Sampling, Varied, correlation};
+use self::statistics::{percentile, sensitivities, wilson};
+use super::count;
+use super::sweep::points::{Point, PointArguments, Points};
+use super::sweep::warnings;
+use crate::accuracy::print_warnings;
+use crate::method::Failure;
+use crate::optimise::check_quantity;
+use crate::outcome::{Fields, Format, fields, flattened, shown, small, text};
+use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
+use crate::report::setting::{distinct_labels, label, number_and_unit, scaled, words_and_unit};
+use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, range, tick};
+use crate::report::{Picture, terminal};
+use crate::rows::Rows;
+use crate::run::run_scene;
+use crate::seeds::SampleStatistics;
+
+/// Samples where none are asked for and there are no parts.
+const SAMPLES: usize = 400;
+/// Least part of the variance that a linear fit must explain for its coefficients to say which key matters.
+const LEAST_R_SQUARED: f64 = 0.7;
+/// Percentiles: name, and part of the samples below it.
+const PERCENTILES: [(&str, f64); 3] = [("percentile_5", 0.05), ("median", 0.5), ("percentile_95", 0.95)];
+
+#[derive(Debug, Clone, clap::Args)]
+pub struct ToleranceArguments {
+    #[command(flatten)]
+    points: PointArguments,
+    /// A key that varies evenly by up to this bound about its value in the scene, in per cent of it or in its own unit;
+    /// with :normal the bound is two standard deviations; repeat it
+    #[arg(long = "vary", value_name = "KEY=±BOUND[%][:normal]", required_unless_present = "parts")]
+    varied: Vec<Varied>,
+    /// Measured parts: a CSV file with a column for each key and a row for each part; the samples take them in turn
+    #[arg(long, value_name = "PARTS.csv")]
+    parts: Option<PathBuf>,
+    /// The correlation of two normal keys of --vary; of the normal deviates from which others are made; may be repeated
+    #[arg(long = "correlate", value_name = "KEY,KEY=VALUE", value_parser = correlation)]
+    correlations: Vec<Correlation>,
+    /// Number of samples [default: 400, or the number of parts]
+    #[arg(long, value_name = "COUNT", value_parser = count::<usize>(2..=999_999))]
+    samples: Option<usize>,
+    /// Which samples; more samples with the same seed begin with the same ones
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// The number of the result
+    #[arg(long, value_name = "QUANTITY", default_value = "mean_power_w")]
+    quantity: String,
+    /// Print the share of the samples that have at least this value, the yield
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true)]
+    at_least: Option<f64>,
+}
+
+/// Runs the samples, writes the files and prints the statistics.
+///
+/// # Errors
+/// Bad input, of any sample; and after the files were written, a sample that could not be run to its end.
+pub fn run(arguments: &ToleranceArguments) -> Result<(), Failure> {
+    let ToleranceArguments { points: shared, varied, parts, correlations, samples, seed, quantity, .. } =
+        arguments;
+    if arguments.at_least.is_some_and(|least| !least.is_finite()) {
+        return Err(Failure::Input("--at-least: must be a finite number".to_owned()));
+    }
+    let sampling = Sampling::new(&shared.scene, (varied, parts.as_deref()), correlations, *seed)?;
+    let of_parts = || sampling.keys.iter().map(|key| key.parts.len()).find(|parts| *parts > 0);
+    let samples = samples.or_else(of_parts).unwrap_or(SAMPLES);
+    let option = |key: &Varied| if key.parts.is_empty() { "--vary" } else { "--parts" };
+    let points = Points {
+        arguments: shared,
+        command: "tolerance",
+        keys: sampling.keys.iter().map(|one| (option(one), one.key.as_str())).collect(),
+        count: samples + 1,
+        values: &|number| sampling.values(number),
+        asked: format!("{sampling:?} {samples}"),
+        compare: false,
+    };
+    if quantity != "mean_power_w" {
+        shared.options().check()?;
+        let nominal = run_scene(&points.scene(&sampling.values(0))?, &shared.options())?;
+        check_quantity("--quantity", quantity, &nominal)?;
+    }
+    let done = points.run(parts.as_slice())?;
+    let found = Found::new(arguments, &sampling, &done.points);
+    print_warnings(&found.fields);
+    let keys: Vec<&str> = sampling.keys.iter().map(|one| one.key.as_str()).collect();
+    let title = points.title(&done.points, &keys)?;
+    let picture = Picture { title, width: 900, charts: found.charts(), ..Picture::default() };
+    let text = match shared.scene.format {
+        Format::Table => found.table(&picture),
+        format => text(&found.fields, format),
+    };
+    points.end(done, Some(&picture), &text)
+}
+
+/// What the samples give.
+struct Found<'a> {
+    arguments: &'a ToleranceArguments,
+    /// The quantity of the scene, and of the samples that have it, in their order and sorted.
+    nominal: Option<f64>,
+    values: Vec<f64>,
+    sorted: Vec<f64>,
+    /// The keys in the order in which they matter, with their values in these samples.
+    keys: Vec<(&'a Varied, Vec<f64>)>,
+    /// The result for programs.
+    fields: Fields,
+}
+
+impl<'a> Found<'a> {
+    fn new(arguments: &'a ToleranceArguments, sampling: &'a Sampling, points: &[Point]) -> Self {
+        let ToleranceArguments { quantity, seed, at_least, .. } = arguments;
+        let number = |point: &Point| {
+            let found = flattened(point.found.as_ref().ok()?.clone());
+            found.get(quantity)?.as_f64().filter(|value| value.is_finite())
+        };
+        let nominal = points.first().and_then(number);
+        let (valued, values): (Vec<&Point>, Vec<f64>) =
+            points.iter().skip(1).filter_map(|point| Some((point, number(point)?))).unzip();
+        let mut sorted = values.clone();
+        sorted.sort_by(f64::total_cmp);
+        let of_key = |key: usize| valued.iter().map(|point| point.values[key].1).collect::<Vec<f64>>();
+        let drawn: Vec<Vec<f64>> = (0..sampling.keys.len()).map(of_key).collect();
+        let ([r_squared, quadratic], matter) = sensitivities(&values, &drawn);
+        let mut keys: Vec<_> = sampling.keys.iter().zip(drawn).zip(matter).collect();
+        keys.sort_by(|one, other| other.1[0].unwrap_or(0.0).total_cmp(&one.1[0].unwrap_or(0.0)));
+        let row = |((key, _), [share, coefficient]): &((&Varied, _), [Option<f64>; 2])| {
+            let bound = Some(key.bound).filter(|bound| *bound > 0.0);
+            json!({ "name": key.key, "nominal": key.nominal, "bound": bound, "distribution": key.distribution,
+                "variance_share": share, "standardised_coefficient": coefficient })
+        };
+        let size = |one: &Value| one["total"].as_f64().unwrap_or(f64::INFINITY);
+        let stated = points.iter().filter_map(|point| point.found.as_ref().ok()?.get("accuracy"));
+        let (all, lacking) = (points.len() - 1, points.len() - 1 - values.len());
+        let lacking = format!("{lacking} of {all} samples failed or have no {quantity}, and are left out");
+        let unexplained = r_squared.filter(|part| *part < LEAST_R_SQUARED).map(|part| {
+            let [linear, quadratic] = [part, quadratic.unwrap_or(0.0)].map(|part| 100.0 * part);
+            format!(
+                "sensitivities: a linear fit explains {linear:.0} % of the variance and a quadratic one {quadratic:.0} %: \
+                 standardised coefficients do not say which key matters, variance_share does as far as the latter"
+            )
+        });
+        let warnings = warnings(points).chain((values.len() < all).then_some(lacking)).chain(unexplained);
+        let fields = fields(&json!({
+            "quantity": quantity,
+            "generator": GENERATOR,
+            "seed": seed,
+            "samples": values.len(),
+            "at_least": at_least,
+            "statistics": statistics(nominal, &values, &sorted, *at_least),
+            "keys": keys.iter().map(row).collect::<Vec<_>>(),
+            "linear_r_squared": r_squared,
+            "quadratic_r_squared": quadratic,
+            "accuracy": stated.max_by(|one, other| size(one).total_cmp(&size(other))),
+            "warnings": warnings.collect::<Vec<_>>(),
+        }));
+        Self { arguments, nominal, values, sorted, keys: keys.into_iter().map(|key| key.0).collect(), fields }
+    }
+
+    fn note(&self) -> String {
+        format!("{} samples, seed {}, {GENERATOR}", self.values.len(), self.arguments.seed)
+    }
+
+    fn table(&self, picture: &Picture) -> String {
+        let stated = small(self.fields["accuracy"]["total"].as_f64());
+        let [statistics, keys] = ["statistics", "keys"].map(|name| {
+            let rows = Rows::of(self.fields[name].as_array().into_iter().flatten());
+            rows.table(presets::NOTHING, &rows.plain(), 1)
+        });
+        let fits = ["linear", "quadratic"]
+            .map(|name| format!("{name} fit: R² = {}", shown(&self.fields[&format!("{name}_r_squared")])));
+        let chart = picture.charts.first().map_or_else(String::new, |chart| terminal(chart, 12));
+        let heading = format!("{}: {}; accuracy {stated}", self.arguments.quantity, self.note());
+        format!("{heading}\n\n{statistics}\n{keys}{}\n\n{chart}", fits.join(", "))
+    }
+
+    /// The distribution, and the quantity over each of the keys that matter most.
+    fn charts(&self) -> Vec<Chart> {
+        let Self { sorted, nominal, .. } = self;
+        let (words, unit) = number_and_unit(&self.arguments.quantity);
+        let largest = sorted.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+        let (title, factor) = scaled(&words, unit, largest);
+        let share = |value: f64| sorted.partition_point(|one| *one <= value) as f64 / sorted.len() as f64;
+        let mark = |name: &str, colour, value: f64, share: f64| {
+            let name = format!("{}: {}", name.replace('_', " "), tick(factor * value));
+            Curve::new(name, colour, Mark::Dots(9.0), [(factor * value, share)])
+        };
+        let line = sorted.iter().map(|value| (factor * value, share(*value)));
+        let mut curves = vec![Curve::new("", BLUE, Mark::Line(1.8), line)];
+        curves.extend(
+            PERCENTILES
+                .iter()
+                .zip([GREEN, BLACK, GREEN])
+                .map(|((name, part), colour)| mark(name, colour, percentile(sorted, *part), *part)),
+        );
+        curves.extend(nominal.map(|value| mark("nominal", VERMILION, value, share(value))));
+        curves.extend(self.arguments.at_least.map(|value| {
+            let ends = [0.0, 1.0].map(|share| (factor * value, share));
+            Curve::new(format!("wished: {}", tick(factor * value)), BLACK, Mark::Dashes(1.2), ends)
+        }));
+        let across = |title: &str, curves: &[Curve]| {
+            let all = curves.iter().flat_map(|curve| &curve.points).map(|point| point.0);
+            Axis::linear(title, range(all).into(), 6)
+        };
+        let up = Axis::linear("share of the samples up to it", [0.0, 1.0], 5);
+        let distribution = Chart::new("", across(&title, &curves), up, curves);
+        let of_key = |(key, values): &(&Varied, Vec<f64>)| {
+            let (words, unit) = words_and_unit(&key.key);
+            let about = distinct_labels(&[key.nominal], &unit).concat();
+            // Of 0 there is no percentage.
+            let (key_title, [from, scale]) = match key.nominal {
+                0.0 => (label(&key.key), [0.0, 1.0]),
+                from => (format!("{words}, deviation from {about} [%]"), [from, 100.0 / from.abs()]),
+            };
+            let place = |(at, value): (f64, f64)| (scale * (at - from), factor * value);
+            let samples = values.iter().copied().zip(self.values.iter().copied()).map(place);
+            let nominal = nominal.map(|value| place((key.nominal, value)));
+            let curves = vec![
+                Curve::new("samples", BLUE, Mark::Dots(4.0), samples),
+                Curve::new("nominal", VERMILION, Mark::Dots(9.0), nominal),
+            ];
+            let across = across(&key_title, &curves);
+            Chart {
+                is_half: true,
+                ..Chart::new("", across, Axis::linear(title.as_str(), FITTING, 6), curves)
+            }
+        };
+        let keys = self.keys.iter().take(4).map(of_key);
+        let all = std::iter::once(Chart { note: self.note(), ..distribution }).chain(keys);
+        if sorted.is_empty() { Vec::new() } else { all.collect() }
+    }
+}
+
+/// A row for each statistic, with its 95 % confidence interval for the number of samples: of the mean by Student's t, of
+/// percentiles and yield by Wilson's interval of a share.
+fn statistics(nominal: Option<f64>, values: &[f64], sorted: &[f64], at_least: Option<f64>) -> Vec<Value> {
+    let row = |name: &str, value: Option<f64>, [low, high]: [Option<f64>; 2]| json!({ "name": name, "value": value, "confidence_low": low, "confidence_high": high });
+    let mut rows = vec![row("nominal", nominal, [None; 2])];
+    let Some(mean) = SampleStatistics::of(values) else { return rows };
+    rows.push(row("mean", Some(mean.mean), [mean.confidence_low, mean.confidence_high]));
+    rows.push(row("standard_deviation", mean.standard_deviation, [None; 2]));
+    rows.extend(PERCENTILES.map(|(name, part)| {
+        let ends = wilson(part, values.len()).map(|part| Some(percentile(sorted, part)));
+        row(name, Some(percentile(sorted, part)), ends)
+    }));
+    rows.extend(at_least.map(|least| {
+        let share = values.iter().filter(|value| **value >= least).count() as f64 / values.len() as f64;
+        row("yield", Some(share), wilson(share, values.len()).map(Some))
+    }));
+    rows
+}
