@@ -126,7 +126,7 @@ impl Sampling {
         let mut source = Source::new(self.seed, index as u64);
         let mut normal = || {
             let [radius, angle] = [(); 2].map(|()| source.uniform(0.0, 1.0));
-            (-2.0 * (1.0 - radius).ln()).sqrt() * (TAU * angle).cos()
+            (-2.0 * libm::log(1.0 - radius)).sqrt() * libm::cos(TAU * angle)
         };
         let deviates = &self.factor * DVector::from_fn(self.keys.len(), |_, _| normal());
         let value = |(key, deviate): (&Varied, &f64)| match key.distribution {
