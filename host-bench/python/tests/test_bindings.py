@@ -25,7 +25,9 @@ SHORT = {"run.duration_s": 0.5, "run.settle_s": 0.1}
 
 
 class Losing(concurrent.futures.Executor):
-    """Loses the worker of the task of that number."""
+    """Loses the worker of the task of that number, and may refuse all tasks from there on."""
+
+    refuses = False
 
     def __init__(self, number):
         self.left = number
@@ -33,6 +35,8 @@ class Losing(concurrent.futures.Executor):
     def submit(self, call, *given, **named):
         future = concurrent.futures.Future()
         self.left -= 1
+        if self.refuses and self.left <= 0:
+            raise concurrent.futures.process.BrokenProcessPool("killed")
         if self.left == 0:
             future.set_exception(concurrent.futures.process.BrokenProcessPool("killed"))
         else:
@@ -44,7 +48,7 @@ class Bindings(unittest.TestCase):
     def test_a_run_is_that_of_the_command_line(self):
         binary = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "debug" / "host-bench"
         command = [binary, "run", SCENE, "--single-start", "--format", "json", "--tolerance", "1e-4"]
-        command += [f"--changes={key}={value}" for key, value in SHORT.items()]
+        command += [f"--set={key}={value}" for key, value in SHORT.items()]
         expected = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
         found = vh.run(SCENE, changes=SHORT, tolerance=1e-4)
         self.assertEqual(found.keys(), expected.keys())
@@ -230,6 +234,8 @@ class Bindings(unittest.TestCase):
         with self.assertWarnsRegex(DeprecationWarning, "changes"):
             old = vh.run(SCENE, states_accuracy=False, **{"set": SHORT})
         self.assertEqual(old["mean_power_w"], new["mean_power_w"])
+        with self.assertRaisesRegex(TypeError, "give one of them"):
+            vh.run(SCENE, changes=SHORT, **{"set": SHORT})
         with self.assertWarnsRegex(DeprecationWarning, "response_map"):
             self.assertIs(vh.map, vh.response_map)
 
@@ -251,6 +257,18 @@ class Bindings(unittest.TestCase):
         again = vh.sweep(SCENE, over, resume=lost, **options)
         for name in whole.keys() - measured:
             np.testing.assert_array_equal(again[name], whole[name], name)
+        refusing = Losing(2)
+        refusing.refuses = True
+        self.assertEqual(
+            [error is None for error in vh.sweep(SCENE, over, executor=refusing, points_per_task=2, **options)["error"].ravel()],
+            [True, True, False, False, False, False],
+        )
+        for wrong in (0, -1):
+            with self.assertRaisesRegex(ValueError, "points_per_task = .*: must be at least 1"):
+                vh.sweep(SCENE, over, executor=Losing(9), points_per_task=wrong, **options)
+        with self.assertRaisesRegex(ValueError, "resume: is no result of a sweep"):
+            without = {name: values for name, values in lost.items() if name != "error"}
+            vh.sweep(SCENE, over, resume=without, **options)
         with self.assertRaisesRegex(ValueError, "resume: has other values of load.resistance_ohm"):
             vh.sweep(SCENE, {**over, "load.resistance_ohm": [1e6, 1e8, 1e9]}, resume=lost, **options)
         rows = vh.records(whole)

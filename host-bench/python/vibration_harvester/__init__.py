@@ -25,7 +25,7 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import Executor, Future
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, Union
 
 import numpy as np
@@ -100,6 +100,8 @@ def _with_old_names(function: Function) -> Function:
     @functools.wraps(function)
     def call(*given: Any, **named: Any) -> Any:
         if "set" in named:
+            if "changes" in named:
+                raise TypeError("`set` is an old name of `changes`; give one of them")
             warnings.warn("the keyword `set` is now `changes`", DeprecationWarning, stacklevel=2)
             named["changes"] = named.pop("set")
         return function(*given, **named)
@@ -163,10 +165,15 @@ def sweep(
     objects. ``error`` has the reason where a run failed, else ``None``.
 
     Any ``concurrent.futures.Executor`` runs the points in its workers, ``points_per_task`` in each task: that of
-    ``dask.distributed.Client.get_executor()``, ``mpi4py.futures``, ``loky``. The results have the same bits. Points whose
-    worker is lost have an ``error``, unless the executor submits them again; ``resume``, the result of such a sweep over the
-    same values, runs these alone.
+    ``dask.distributed.Client.get_executor()``, ``mpi4py.futures``, ``loky``. The results have the same bits, ``processor_s``
+    aside. Bad input of a point is raised when its task has run; tasks that have not begun are cancelled then. Points whose
+    worker is lost have an ``error``, unless the executor submits them again; ``resume``, the result of such a sweep of the same
+    scene with the same values, changes and options, runs these alone.
     """
+    if not over:
+        raise ValueError("over: must have a key")
+    if points_per_task < 1:
+        raise ValueError(f"points_per_task = {points_per_task}: must be at least 1")
     values = {key: np.asarray(of_key, dtype=float).ravel() for key, of_key in over.items()}
     grid = dict(zip(values, np.meshgrid(*values.values(), indexing="ij")))
     shape = tuple(len(of_key) for of_key in values.values())
@@ -206,14 +213,28 @@ def _in_tasks(
 ) -> Iterator[dict[str, Any]]:
     """The results of all points, in their order; bad input is raised, another failure is that of the points of its task."""
     parts = [points[first : first + size] for first in range(0, len(points), size)]
-    tasks = [executor.submit(call, part) for part in parts]
-    for task, part in zip(tasks, parts):
-        try:
-            yield from task.result()
-        except (ValueError, TypeError):
-            raise
-        except Exception as error:
-            yield from ({"error": f"{type(error).__name__}: {error}"} for _ in part)
+    tasks = [_submitted(executor, call, part) for part in parts]
+    try:
+        for task, part in zip(tasks, parts):
+            try:
+                yield from task.result()
+            except (ValueError, TypeError):
+                raise
+            except Exception as error:
+                yield from ({"error": f"{type(error).__name__}: {error}"} for _ in part)
+    finally:
+        for task in tasks:
+            task.cancel()
+
+
+def _submitted(executor: Executor, call: Callable[..., Rows], part: list[list[float]]) -> Future[Rows]:
+    """The task of some points; that of a pool which takes no more has its error."""
+    try:
+        return executor.submit(call, part)
+    except RuntimeError as error:
+        lost: Future[Rows] = Future()
+        lost.set_exception(error)
+        return lost
 
 
 def _finished(resume: Mapping[str, np.ndarray], grid: Mapping[str, np.ndarray]) -> list[dict[str, Any] | None]:
@@ -221,6 +242,8 @@ def _finished(resume: Mapping[str, np.ndarray], grid: Mapping[str, np.ndarray]) 
     for key, of_key in grid.items():
         if key not in resume or not np.array_equal(resume[key], of_key):
             raise ValueError(f"resume: has other values of {key}")
+    if "error" not in resume:
+        raise ValueError("resume: is no result of a sweep, which has `error`")
     rows = records({name: of_name for name, of_name in resume.items() if name not in grid})
     # Not-a-number alone differs from itself.
     kept = [{name: None if value != value else value for name, value in row.items()} for row in rows]
@@ -355,7 +378,7 @@ def optimise(
 def _file(scene: Source) -> Iterator[str]:
     """The path of a scene file: that of the caller, or of a temporary one with the text or the tables."""
     if isinstance(scene, Mapping):
-        text = "\n".join(f"{json.dumps(key)} = {_toml(value)}" for key, value in scene.items())
+        text = "\n".join(f"{key} = {_toml(value)}" for key, value in scene.items())
     elif isinstance(scene, str) and "\n" in scene:
         text = scene
     else:
@@ -367,7 +390,8 @@ def _file(scene: Source) -> Iterator[str]:
         try:
             yield str(path)
         except (ValueError, RuntimeError) as error:
-            raise type(error)(str(error).replace(str(path), "scene")) from None
+            kind = ValueError if isinstance(error, ValueError) else RuntimeError
+            raise kind(str(error).replace(str(path), "scene")) from None
 
 
 def _given(changes: Changes | None) -> list[str]:
@@ -392,10 +416,14 @@ def _toml(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{key} = {_toml(entry)}" for key, entry in value.items()) + " }"
-    if isinstance(value, (list, tuple, np.ndarray)):
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_toml(entry) for entry in value) + "]"
     if isinstance(value, (str, os.PathLike)):
-        return json.dumps(os.fspath(value))
+        return json.dumps(os.fspath(value), ensure_ascii=False)
+    if value is None:
+        raise ValueError("None is no value of a key; leave the key out")
     return repr(value.item() if isinstance(value, np.generic) else value)
 
 
@@ -405,9 +433,14 @@ def _arguments(options: Mapping[str, Any], known: type) -> list[str]:
         if name not in known.__annotations__:
             names = ", ".join(known.__annotations__)
             raise TypeError(f"{name!r} is no option; the options are {names}")
-    given = [(name, value) for name, value in options.items() if value is not None and value is not False]
-    named = [(f"--{name.replace('_', '-')}", value) for name, value in given]
-    return [name if value is True else f"{name}={value}" for name, value in named]
+    arguments = []
+    for name, value in options.items():
+        argument = f"--{name.replace('_', '-')}"
+        if isinstance(value, (bool, np.bool_)):
+            arguments += [argument] if value else []
+        elif value is not None:
+            arguments.append(f"{argument}={value}")
+    return arguments
 
 
 # Results that are no numbers, though a point may lack them.

@@ -9,14 +9,14 @@ use comfy_table::presets;
 use serde_json::{Value, json};
 
 use self::sampling::{Correlation, GENERATOR, Sampling, Varied, correlation};
-use self::statistics::{percentile, sensitivities, wilson};
+use self::statistics::{Sensitivity, percentile, ranks, sensitivities, wilson};
 use super::count;
 use super::sweep::points::{Point, PointArguments, Points};
 use super::sweep::warnings;
 use crate::accuracy::print_warnings;
 use crate::method::Failure;
 use crate::optimise::check_quantity;
-use crate::outcome::{Fields, Format, fields, flattened, shown, small, text};
+use crate::outcome::{Fields, Format, STABLE, fields, flattened, shown, small, text};
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::setting::{distinct_labels, label, number_and_unit, scaled, words_and_unit};
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, range, tick};
@@ -73,6 +73,10 @@ pub fn run(arguments: &ToleranceArguments) -> Result<(), Failure> {
     let sampling = Sampling::new(&shared.scene, (varied, parts.as_deref()), correlations, *seed)?;
     let of_parts = || sampling.keys.iter().map(|key| key.parts.len()).find(|parts| *parts > 0);
     let samples = samples.or_else(of_parts).unwrap_or(SAMPLES);
+    if let Some(parts) = of_parts().filter(|parts| varied.is_empty() && samples > *parts) {
+        let reason = format!("must be at most {parts}, the number of parts, where nothing else varies");
+        return Err(Failure::Input(format!("--samples {samples}: {reason}")));
+    }
     let option = |key: &Varied| if key.parts.is_empty() { "--vary" } else { "--parts" };
     let points = Points {
         arguments: shared,
@@ -128,26 +132,45 @@ impl<'a> Found<'a> {
         sorted.sort_by(f64::total_cmp);
         let of_key = |key: usize| valued.iter().map(|point| point.values[key].1).collect::<Vec<f64>>();
         let drawn: Vec<Vec<f64>> = (0..sampling.keys.len()).map(of_key).collect();
-        let ([r_squared, quadratic], matter) = sensitivities(&values, &drawn);
-        let mut keys: Vec<_> = sampling.keys.iter().zip(drawn).zip(matter).collect();
-        keys.sort_by(|one, other| other.1[0].unwrap_or(0.0).total_cmp(&one.1[0].unwrap_or(0.0)));
-        let row = |((key, _), [share, coefficient]): &((&Varied, _), [Option<f64>; 2])| {
+        let matter = sensitivities(&values, &drawn);
+        let [r_squared, quadratic] = matter.r_squared;
+        let mut keys: Vec<_> = sampling.keys.iter().zip(drawn).zip(matter.keys).collect();
+        let size = |of: &Sensitivity| of.variance_share.or(of.coefficient).map_or(0.0, f64::abs);
+        keys.sort_by(|one, other| size(&other.1).total_cmp(&size(&one.1)));
+        let row = |((key, _), matters): &((&Varied, _), Sensitivity)| {
             let bound = Some(key.bound).filter(|bound| *bound > 0.0);
             json!({ "name": key.key, "nominal": key.nominal, "bound": bound, "distribution": key.distribution,
-                "variance_share": share, "standardised_coefficient": coefficient })
+                "variance_share": matters.variance_share, "standardised_coefficient": matters.coefficient })
         };
         let size = |one: &Value| one["total"].as_f64().unwrap_or(f64::INFINITY);
         let stated = points.iter().filter_map(|point| point.found.as_ref().ok()?.get("accuracy"));
         let (all, lacking) = (points.len() - 1, points.len() - 1 - values.len());
         let lacking = format!("{lacking} of {all} samples failed or have no {quantity}, and are left out");
-        let unexplained = r_squared.filter(|part| *part < LEAST_R_SQUARED).map(|part| {
-            let [linear, quadratic] = [part, quadratic.unwrap_or(0.0)].map(|part| 100.0 * part);
+        let percent =
+            |part: Option<f64>| part.map(|part| format!("explains {:.0} % of the variance", 100.0 * part));
+        let unexplained = r_squared.is_none_or(|part| part < LEAST_R_SQUARED).then(|| {
+            let none = || "has too few samples".to_owned();
+            let [linear, quadratic] = [r_squared, quadratic].map(|part| percent(part).unwrap_or_else(none));
             format!(
-                "sensitivities: a linear fit explains {linear:.0} % of the variance and a quadratic one {quadratic:.0} %: \
-                 standardised coefficients do not say which key matters, variance_share does as far as the latter"
+                "sensitivities: a linear fit {linear}, a quadratic one {quadratic}: standardised coefficients do not say \
+                 which key matters, and variance_share as far as the latter"
             )
         });
-        let warnings = warnings(points).chain((values.len() < all).then_some(lacking)).chain(unexplained);
+        let parts = sampling.keys.iter().map(|key| key.parts.len()).find(|parts| *parts > 0);
+        let repeated = parts.filter(|parts| *parts < all).map(|parts| {
+            format!("samples: {parts} parts are taken in turn; intervals are those of further samples of these parts")
+        });
+        let is_unsteady =
+            |point: &&Point| point.text("steady_state").is_some_and(|verdict| verdict != STABLE);
+        let unsteady = points.iter().filter(is_unsteady).count();
+        let unsteady = (unsteady > 0).then(|| {
+            format!(
+                "steady state: {unsteady} of {} runs have no stable orbit, their numbers are of the run",
+                points.len()
+            )
+        });
+        let warnings = warnings(points).chain((values.len() < all).then_some(lacking));
+        let warnings = warnings.chain(unexplained).chain(repeated).chain(unsteady);
         let fields = fields(&json!({
             "quantity": quantity,
             "generator": GENERATOR,
@@ -165,7 +188,9 @@ impl<'a> Found<'a> {
     }
 
     fn note(&self) -> String {
-        format!("{} samples, seed {}, {GENERATOR}", self.values.len(), self.arguments.seed)
+        let samples = format!("{} samples", self.values.len());
+        let drawn = format!(", seed {}, {GENERATOR}", self.arguments.seed);
+        if self.arguments.varied.is_empty() { samples } else { samples + &drawn }
     }
 
     fn table(&self, picture: &Picture) -> String {
@@ -177,7 +202,8 @@ impl<'a> Found<'a> {
         let fits = ["linear", "quadratic"]
             .map(|name| format!("{name} fit: R² = {}", shown(&self.fields[&format!("{name}_r_squared")])));
         let chart = picture.charts.first().map_or_else(String::new, |chart| terminal(chart, 12));
-        let heading = format!("{}: {}; accuracy {stated}", self.arguments.quantity, self.note());
+        let heading =
+            format!("{}: {}; accuracy of mean_power_w {stated}", self.arguments.quantity, self.note());
         format!("{heading}\n\n{statistics}\n{keys}{}\n\n{chart}", fits.join(", "))
     }
 
@@ -239,7 +265,7 @@ impl<'a> Found<'a> {
 }
 
 /// A row for each statistic, with its 95 % confidence interval for the number of samples: of the mean by Student's t, of
-/// percentiles and yield by Wilson's interval of a share.
+/// percentiles by order statistics, of the yield by Wilson's interval of a share.
 fn statistics(nominal: Option<f64>, values: &[f64], sorted: &[f64], at_least: Option<f64>) -> Vec<Value> {
     let row = |name: &str, value: Option<f64>, [low, high]: [Option<f64>; 2]| json!({ "name": name, "value": value, "confidence_low": low, "confidence_high": high });
     let mut rows = vec![row("nominal", nominal, [None; 2])];
@@ -247,7 +273,7 @@ fn statistics(nominal: Option<f64>, values: &[f64], sorted: &[f64], at_least: Op
     rows.push(row("mean", Some(mean.mean), [mean.confidence_low, mean.confidence_high]));
     rows.push(row("standard_deviation", mean.standard_deviation, [None; 2]));
     rows.extend(PERCENTILES.map(|(name, part)| {
-        let ends = wilson(part, values.len()).map(|part| Some(percentile(sorted, part)));
+        let ends = ranks(part, sorted.len()).map(|rank| sorted.get(rank?).copied());
         row(name, Some(percentile(sorted, part)), ends)
     }));
     rows.extend(at_least.map(|least| {

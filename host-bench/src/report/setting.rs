@@ -131,9 +131,11 @@ pub(crate) fn label(key: &str) -> String {
 
 /// A number of a result such as `mean_power_w` in words, and its unit.
 pub(crate) fn number_and_unit(name: &str) -> (String, &'static str) {
-    let units = ["m/s²", "m/s", "Hz", "Pa", "W", "V", "J", "A", "m", "s"];
-    let mut found =
-        units.iter().filter_map(|unit| Some((name.strip_suffix(&format!("_{}", written(unit)))?, *unit)));
+    let units = ["m/s²", "m/s", "1/m", "Hz", "Pa", "W", "V", "J", "A", "N", "m", "s"];
+    let mut found = units.iter().filter_map(|unit| {
+        let end = format!("_{}", written(unit));
+        Some((name.strip_suffix(end.replace("_1_per", "_per").as_str())?, *unit))
+    });
     let (words, unit) = found.next().unwrap_or((name, ""));
     (words.replace('_', " "), unit)
 }

@@ -163,11 +163,8 @@ pub fn table<R: Into<Row>>(
         let has_room = |widths: &[usize]| widths.iter().map(|width| width + 3).sum::<usize>() < WIDTH;
         // Names are not broken where numbers follow, unless they are long and the numbers leave no room.
         let keeps_names = words < whole.len() && (whole[0] <= 12 || has_room(&whole));
-        for (column, least) in least
-            .iter_mut()
-            .enumerate()
-            .filter(|(column, _)| *column >= words || (*column == 0 && keeps_names))
-        {
+        let is_whole = |column: usize| column >= words || (column == 0 && keeps_names);
+        for (column, least) in least.iter_mut().enumerate().filter(|(column, _)| is_whole(*column)) {
             *least = whole[column];
         }
         let broken = headings
@@ -177,9 +174,8 @@ pub fn table<R: Into<Row>>(
             .collect::<Vec<_>>();
         let fits = has_room(&least);
         table.set_header(broken).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH as u16);
-        for (column, least) in
-            table.column_iter_mut().zip(least).filter(|(column, _)| fits || column.index >= words)
-        {
+        let columns = table.column_iter_mut().zip(least);
+        for (column, least) in columns.filter(|(column, _)| fits || is_whole(column.index)) {
             let width = Width::Fixed((least + usize::from(column.padding_width())) as u16);
             column.set_constraint(ColumnConstraint::LowerBoundary(width));
         }

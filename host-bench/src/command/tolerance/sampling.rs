@@ -107,6 +107,9 @@ impl Sampling {
             let (Some(row), Some(column)) = (row, column.filter(|_| one != other)) else {
                 return Err(Failure::Input(format!("--correlate {one},{other}: must be two keys of --vary")));
             };
+            if matrix[(row, column)] != 0.0 {
+                return Err(Failure::Input(format!("--correlate {one},{other}: is given twice")));
+            }
             (matrix[(row, column)], matrix[(column, row)]) = (*value, *value);
         }
         let factor = matrix.cholesky().map(|found| found.unpack()).ok_or_else(|| {
