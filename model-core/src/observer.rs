@@ -123,7 +123,7 @@ pub struct Outputs<'a, S> {
     /// of sliding, or the tip displacement of bump-stop. Bump-stop has two more: the beam at the stop, and
     /// the face of the rod. Absent coordinates are zero.
     pub motions: [Motion<S>; 3],
-    /// Charge in C that has passed the terminals, and the current in A.
+    /// Charge in C that has left the harvester, that on a parasitic capacitance included, and its rate in A.
     pub charge: Motion<S>,
     /// Terminal voltage in V.
     pub voltage: S,

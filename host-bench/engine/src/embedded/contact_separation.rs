@@ -15,7 +15,7 @@ use model_core::scene::contact_separation::{
 };
 
 use super::limits::{Gauge, UNUSED, limits};
-use super::report::{RunSummary, dense, dense_voltage};
+use super::report::{RunSummary, dense};
 use super::run::refuse_parameter;
 use super::triboelectric::{PARTS, STATES, Triboelectric, explicit_step_into, unit_of_charge};
 use harvester_scene::method::Failure;
@@ -126,8 +126,7 @@ impl Triboelectric for ContactSeparation {
                     .map(|[start, end]| dense(start, end, step.step, fraction).to_f64());
             // A step that ends in an impact ends up to a tick beyond contact.
             let gap = gap.max(0.0);
-            let plates = charge + from.parasitic_capacitance_f * dense_voltage(step, fraction).to_f64();
-            let density = from.charge_density_c_per_m2 - plates / from.electrode_area_m2;
+            let density = from.charge_density_c_per_m2 - charge / from.electrode_area_m2;
             let voltage = (density * gap / VACUUM_PERMITTIVITY).abs();
             let edges = fringing(gap + dielectric, from.electrode_area_m2);
             [[voltage, breakdown_voltage_v(pressure * gap)], [edges, fringe], [0.0, speed], UNUSED, UNUSED]
