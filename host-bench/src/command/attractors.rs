@@ -46,9 +46,7 @@ pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
     let scene = scene_file::read(file, overrides)?;
     check_overrides(overrides, &[NODE])?;
     let outputs = Outputs::of(file, overrides)?;
-    if let Some(picture) = &arguments.picture {
-        outputs.check_picture("--picture", picture, &["svg", "html"])?;
-    }
+    outputs.check_picture("--picture", &arguments.picture)?;
     let outcome = run_scene(&scene, options)?;
     let place = Place::new(&scene, &outcome).ok_or_else(|| {
         let reason = "must be a moving harvester under a sine, sines or repeated bursts, with a load that takes power and is \

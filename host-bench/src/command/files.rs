@@ -70,15 +70,20 @@ impl Outputs {
         claimed.map_err(|reason| refusal(option, file, &reason))
     }
 
-    /// As [`Outputs::check`], of a picture whose name must end in one of these.
-    pub(crate) fn check_picture(&self, option: &str, file: &Path, endings: &[&str]) -> Result<(), Failure> {
-        self.check(option, file)?;
-        if file == Path::new(STANDARD) {
-            return Ok(());
-        }
-        let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        if !ending.is_some_and(|ending| endings.contains(&ending.as_str())) {
-            return Err(refusal(option, file, &format!("must end in .{}", endings.join(" or ."))));
+    /// As [`Outputs::check`], of pictures, whose names must end in `.svg` or `.html`.
+    pub(crate) fn check_picture<'p>(
+        &self,
+        option: &str,
+        files: impl IntoIterator<Item = &'p PathBuf>,
+    ) -> Result<(), Failure> {
+        for file in files {
+            self.check(option, file)?;
+            let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+            if file != Path::new(STANDARD)
+                && !ending.is_some_and(|ending| ["svg", "html"].contains(&&*ending))
+            {
+                return Err(refusal(option, file, "must end in .svg or .html"));
+            }
         }
         Ok(())
     }

@@ -144,7 +144,7 @@ impl FitArguments {
         for path in self.output.iter().chain(&self.beside()) {
             outputs.check("--output", path)?;
         }
-        self.picture.iter().try_for_each(|path| outputs.check_picture("--picture", path, &["svg", "html"]))
+        outputs.check_picture("--picture", &self.picture)
     }
 
     /// Writes the pictures, and the fitted scene where there is one.

@@ -90,9 +90,7 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     for file in files.iter().flatten() {
         outputs.check("--output", file)?;
     }
-    if let Some(file) = &arguments.picture {
-        outputs.check_picture("--picture", file, &["svg", "html"])?;
-    }
+    outputs.check_picture("--picture", &arguments.picture)?;
     let bar = progress(0);
     let step = |step| match step {
         Step::More(count) => bar.inc_length(count as u64),

@@ -1,6 +1,6 @@
 //! `node-strategies`: ways by which a node knows its income and decides on its actions, beside each other.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum as _;
 use clap::builder::PossibleValuesParser;
@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::files::Outputs;
 use super::{count, one_more, print, progress};
+use crate::map::Step;
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::rows::Rows;
@@ -25,12 +26,14 @@ fn names() -> Vec<&'static str> {
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(
-    after_help = "Run time: a minute of CPU, most of it the trajectories; it grows with hours and seeds"
+    after_help = "Run time: a minute of CPU, most of it the trajectories; it grows with hours and seeds. Of a scene file half a minute \
+    more, for its response map"
 )]
 pub struct NodeStrategiesArguments {
-    /// Which harvester only: that of node.toml, sliding.toml or bump-stop-none.toml
-    #[arg(value_enum, value_name = "SCENE")]
-    scene: Option<Kind>,
+    /// Which harvester only: contact-separation (node.toml), sliding, bump-stop (bump-stop-none.toml), or a scene file with one sine
+    /// and a resistor
+    #[arg(value_name = "SCENE")]
+    scene: Option<String>,
     /// What shakes the harvester; may be repeated [default: all but month]
     #[arg(long, value_enum)]
     course: Vec<Course>,
@@ -57,19 +60,33 @@ pub struct NodeStrategiesArguments {
     page: Option<PathBuf>,
 }
 
+/// The harvester of a name, or of a scene file, of which a response map is made.
+fn harvester(scene: &str) -> Result<Kind, Failure> {
+    let of_file = |_| {
+        let bar = progress(0);
+        let kind = Kind::of_file(Path::new(scene), &|step| match step {
+            Step::More(count) => bar.inc_length(count as u64),
+            Step::Done => one_more(&bar),
+        });
+        bar.finish_and_clear();
+        kind
+    };
+    Kind::from_str(scene, false).or_else(of_file)
+}
+
 /// Runs all strategies on all timelines and prints the rows.
 pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
-    let outputs = Outputs::of_shipped(["node", "sliding", "bump-stop-none"]);
-    if let Some(file) = &arguments.page {
-        outputs.check_picture("--page", file, &["svg", "html"])?;
-    }
+    let outputs = Outputs::of_shipped(["node", "sliding", "bump-stop-none"])
+        .and(&arguments.scene.iter().map(PathBuf::from).collect::<Vec<_>>());
+    outputs.check_picture("--page", &arguments.page)?;
     let courses = match &arguments.course[..] {
         [] => vec![Course::Random, Course::Truck, Course::Speed, Course::Walking],
         some => some.to_vec(),
     };
     let is_wanted = |one: &Storage| arguments.storage.as_deref().is_none_or(|name| name == one.name);
+    let only = arguments.scene.as_deref().map(harvester).transpose()?;
     let extent = Extent {
-        kinds: arguments.scene.map_or_else(|| Kind::value_variants().to_vec(), |kind| vec![kind]),
+        kinds: only.map_or_else(|| Kind::value_variants().to_vec(), |kind| vec![kind]),
         courses,
         storages: STORAGES.into_iter().filter(is_wanted).collect(),
         as_designed: arguments.as_designed,
@@ -79,7 +96,7 @@ pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
     };
     let lines = timelines(&extent)?;
     if lines.is_empty() {
-        let text = "--course: must not be truck or walking alone for sliding, whose slider they do not move";
+        let text = "--course: must not be truck or walking alone for a slider, which they do not move";
         return Err(Failure::Input(text.to_owned()));
     }
     let bar = progress(ROWS * extent.storages.len());
@@ -87,7 +104,7 @@ pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
     bar.finish_and_clear();
     print_rows(&rows, arguments.format, 3)?;
     if let Some(file) = &arguments.page {
-        let picture = picture::picture(arguments.scene.unwrap_or(Kind::ContactSeparation))?;
+        let picture = picture::picture(only.unwrap_or(Kind::ContactSeparation))?;
         outputs.write(file, &picture.of_file(file)?)?;
     }
     Ok(())

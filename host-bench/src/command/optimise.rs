@@ -119,9 +119,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outpu
     for path in arguments.output.iter().chain(&pictures[0]) {
         outputs.check("--output", path)?;
     }
-    if let Some(path) = &arguments.picture {
-        outputs.check_picture("--picture", path, &["svg", "html"])?;
-    }
+    outputs.check_picture("--picture", &arguments.picture)?;
     let hold = |scene: &mut Scene| storage_voltage.hold(scene);
     let of_margins: Option<Constraint> = arguments.keep_margins.then(|| MARGINS.parse().ok()).flatten();
     let bar = progress(0);

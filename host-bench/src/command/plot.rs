@@ -143,7 +143,7 @@ fn output(arguments: &PlotArguments, outputs: &Outputs) -> Result<PathBuf, Failu
         outputs.check_in("", &report_folder(), &["plot.svg"])?;
         return Ok(report_folder().join("plot.svg"));
     };
-    outputs.check_picture("--output", file, &["svg", "html"])?;
+    outputs.check_picture("--output", [file])?;
     Ok(file.clone())
 }
 

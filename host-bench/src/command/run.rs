@@ -74,7 +74,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
         outputs.check("--trace", file)?;
     }
     if let Some(file) = &arguments.picture {
-        outputs.check_picture("--picture", file, &["svg", "html"])?;
+        outputs.check_picture("--picture", [file])?;
         let every_s = motion::every_s(&scene, motion::span_s(&scene));
         options.trace_every_s = options.trace_every_s.or(Some(every_s));
     }

@@ -109,12 +109,12 @@ pub struct Extent {
 /// vibration and under steps, which are left out.
 ///
 /// # Errors
-/// If a shipped scene cannot be read or stepped.
+/// If a scene cannot be read or stepped, or gives no energy or none for which a node can be built.
 pub(crate) fn timelines(extent: &Extent) -> Result<Vec<Timeline>, Failure> {
     let mut all = Vec::new();
     for &kind in &extent.kinds {
         for &course in &extent.courses {
-            let holds = kind == Kind::Sliding && matches!(course, Course::Truck | Course::Walking);
+            let holds = kind.is_slider() && matches!(course, Course::Truck | Course::Walking);
             let seed = 17 * kind as u64 + 1000 * course as u64;
             all.extend(
                 [(kind, true, course, seed + 1), (kind, false, course, seed)]
@@ -123,9 +123,13 @@ pub(crate) fn timelines(extent: &Extent) -> Result<Vec<Timeline>, Failure> {
             );
         }
     }
-    all.into_par_iter()
-        .map(|(kind, as_designed, course, seed)| Timeline::new(kind, as_designed, course, extent.hours, seed))
-        .collect()
+    let of_course = |(kind, as_designed, course, seed)| {
+        let line = Timeline::new(kind, as_designed, course, extent.hours, seed)?;
+        let settings = Settings::new(kind, Processor::named(PARTS[0]).expect("a part"), 1e-3, 0.2);
+        let built = settings.scaled(&line.minutes).try_map().map(|_| line);
+        built.map_err(|reason| Failure::Input(format!("no node has such a harvester: {reason}")))
+    };
+    all.into_par_iter().map(of_course).collect()
 }
 
 /// Errors of hours.

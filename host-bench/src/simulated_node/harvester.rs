@@ -1,5 +1,8 @@
 //! What harvesters give, minute by minute, by trajectories of the full model over whole hours.
 
+use std::path::Path;
+use std::sync::OnceLock;
+
 use model_core::clock::Instant;
 use model_core::energy::PowerMeter;
 use model_core::excitation::{AnyExcitation, Excitation, Silence, Sine};
@@ -8,9 +11,12 @@ use model_core::scalar::Polynomial;
 use model_core::scene::bump_stop::Stepper;
 use model_core::scene::{Harvester, Simulation};
 
-use crate::embedded::{bump_stop_parameters, contact_separation_parameters, sliding_parameters};
-use crate::method::Failure;
-use crate::scene_file;
+use crate::embedded::{
+    bump_stop_parameters, contact_separation_parameters, natural_frequency_hz, sliding_parameters,
+};
+use crate::map::{self, Request, Step};
+use crate::method::{Failure, Options};
+use crate::scene_file::{self, Excitation as Base, Load, Scene, Tone};
 
 /// Sines of a random acceleration.
 pub(super) const LINES: usize = 200;
@@ -26,7 +32,21 @@ pub enum Kind {
     ContactSeparation,
     Sliding,
     BumpStop,
+    /// That of [`Kind::of_file`].
+    #[value(skip)]
+    Other,
 }
+
+/// A harvester of a scene file: its scene, [`Kind::resonance`], [`Kind::vibration`], and its map.
+#[derive(Debug)]
+struct Other {
+    scene: Scene,
+    resonance: [f64; 2],
+    vibration: [[f64; 2]; 2],
+    map: Vec<u8>,
+}
+
+static OTHER: OnceLock<Other> = OnceLock::new();
 
 /// By what factors the true harvester differs from that of the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,14 +65,68 @@ impl Deviation {
 }
 
 impl Kind {
+    /// That of a scene file, with its map; one of a process. It is for vibration from a quarter to 1.5 of the amplitude of its sine,
+    /// within 4 % of the resonance.
+    ///
+    /// # Errors
+    /// If the file is refused, has another excitation, another load or a stop, or if there is no map of it.
+    pub(crate) fn of_file(file: &Path, step: &(impl Fn(Step) + Sync)) -> Result<Self, Failure> {
+        let scene = scene_file::read(file, &[])?;
+        let refuse = |text: String| Err(Failure::of_file(&scene, text));
+        let natural = natural_frequency_hz(&scene)?;
+        let (Base::Sine(Tone { amplitude_m_per_s2: amplitude, .. }), Load::Resistor { .. }) =
+            (&scene.excitation, scene.load)
+        else {
+            return refuse("excitation.kind must be \"sine\", load.kind \"resistor\"".to_owned());
+        };
+        if scene.bump_stop().is_ok_and(|model| model.stop.is_some()) {
+            return refuse("stop: must be absent: of a beam the first mode alone is simulated".to_owned());
+        }
+        // A tenth of the lowest rate of a sensor, and 0.45 of the highest one.
+        if !(10.0..=360.0).contains(&natural) {
+            return refuse(format!("the natural frequency is {natural:.4} Hz: must be from 10 to 360 Hz"));
+        }
+        let of = |of: [f64; 2], unit: f64| of.map(|of| of * unit);
+        let [amplitudes, frequencies] = [of([0.05, 2.0], *amplitude), of([0.85, 1.2], natural)];
+        let request =
+            Request { amplitudes, frequencies, voltages: vec![], error: 0.02, places: 300, seed: 1 };
+        request.check()?;
+        let found = map::map(&scene, &request, &Options::default(), step)?;
+        let centre = found.axes.centre_hz;
+        OTHER.get_or_init(|| Other {
+            resonance: [centre, found.axes.half_bandwidth_hz],
+            vibration: [of([0.25, 1.5], *amplitude), of([0.96, 1.04], centre)],
+            map: map::bytes(&found),
+            scene: scene.clone(),
+        });
+        Ok(Self::Other)
+    }
+
+    fn other(self) -> Option<&'static Other> {
+        OTHER.get().filter(|_| self == Self::Other)
+    }
+
+    /// Whether friction holds it under random vibration and under steps.
+    pub(super) fn is_slider(self) -> bool {
+        self.other().map_or(self == Self::Sliding, |other| other.scene.sliding().is_ok())
+    }
+
+    /// Samples of its vibration in a second.
+    pub(super) fn rate(self) -> f64 {
+        [100.0, 400.0].into_iter().find(|rate| self.resonance()[0] <= 0.45 * rate).unwrap_or(800.0)
+    }
+
     /// Resonance and half-bandwidth in Hz.
     pub fn resonance(self) -> [f64; 2] {
-        [[20.1325, 0.09625], [18.37313, 0.064306], [245.16, 2.64]][self as usize]
+        let shipped = || [[20.1325, 0.09625], [18.37313, 0.064306], [245.16, 2.64]][self as usize];
+        self.other().map_or_else(shipped, |other| other.resonance)
     }
 
     /// Amplitudes in m/s² and frequencies in Hz of vibration that the harvester is for.
     pub(super) fn vibration(self) -> [[f64; 2]; 2] {
-        [[[0.5, 3.0], [19.3, 21.0]], [[3.5, 7.0], [17.9, 18.9]], [[5.0, 40.0], [232.0, 258.0]]][self as usize]
+        let [mass, slider, beam] =
+            [[[0.5, 3.0], [19.3, 21.0]], [[3.5, 7.0], [17.9, 18.9]], [[5.0, 40.0], [232.0, 258.0]]];
+        self.other().map_or_else(|| [mass, slider, beam][self as usize], |other| other.vibration)
     }
 
     /// The response map of the harvester as designed.
@@ -61,6 +135,7 @@ impl Kind {
             Self::ContactSeparation => include_bytes!("contact-separation.bin"),
             Self::Sliding => include_bytes!("sliding.bin"),
             Self::BumpStop => include_bytes!("bump-stop.bin"),
+            Self::Other => self.other().map_or(&[], |other| &other.map),
         }
     }
 
@@ -68,14 +143,15 @@ impl Kind {
     /// only, whose share of the power near the resonance is all but 10⁻³.
     ///
     /// # Errors
-    /// If a shipped scene cannot be read or stepped.
+    /// If the scene cannot be read or stepped.
     pub fn minutes(
         self,
         vibration: &[Vibration],
         off: impl Fn(usize) -> Deviation,
     ) -> Result<Vec<f64>, Failure> {
-        let name = ["node", "sliding", "bump-stop-none"][self as usize];
-        let scene = scene_file::read(&scene_file::shipped(name), &[])?;
+        let name = || ["node", "sliding", "bump-stop-none"][self as usize];
+        let shipped = || scene_file::read(&scene_file::shipped(name()), &[]);
+        let scene = self.other().map_or_else(shipped, |other| Ok(other.scene.clone()))?;
         let adaptive = Adaptive::new(TOLERANCE).map_err(fail)?;
         // The two are off alike, but for what makes their stiffness.
         macro_rules! triboelectric {
@@ -91,24 +167,22 @@ impl Kind {
             };
         }
         let load = scene.load;
-        match self {
-            Self::ContactSeparation => triboelectric!(
-                contact_separation_parameters::<f64, Polynomial>(scene.contact_separation()?, load),
-                stiffness
-            ),
-            Self::Sliding => triboelectric!(sliding_parameters::<f64>(scene.sliding()?, load), young_modulus),
-            Self::BumpStop => {
-                energies(vibration, &off, |Deviation { charge, damping, resistance, resonance }| {
-                    let mut with = bump_stop_parameters::<f64>(scene.bump_stop()?, load);
-                    with.substrate.young_modulus *= resonance * resonance;
-                    with.piezo.young_modulus *= resonance * resonance;
-                    with.damping_ratio *= damping;
-                    with.piezo_d31 *= charge;
-                    with.choices.load.0.resistance *= resistance;
-                    Stepper::new(with.build::<1, 0>().map_err(fail)?, 1e-4, 2e-4).map_err(fail)
-                })
-            }
+        if let Ok(model) = scene.contact_separation() {
+            return triboelectric!(contact_separation_parameters::<f64, Polynomial>(model, load), stiffness);
         }
+        if let Ok(model) = scene.sliding() {
+            return triboelectric!(sliding_parameters::<f64>(model, load), young_modulus);
+        }
+        let model = scene.bump_stop()?;
+        energies(vibration, &off, |Deviation { charge, damping, resistance, resonance }| {
+            let mut with = bump_stop_parameters::<f64>(model, load);
+            with.substrate.young_modulus *= resonance * resonance;
+            with.piezo.young_modulus *= resonance * resonance;
+            with.damping_ratio *= damping;
+            with.piezo_d31 *= charge;
+            with.choices.load.0.resistance *= resistance;
+            Stepper::new(with.build::<1, 0>().map_err(fail)?, 1e-4, 2e-4).map_err(fail)
+        })
     }
 }
 

@@ -126,13 +126,13 @@ impl Settings {
     }
 
     fn cost(&self) -> CostModel {
-        let sensor = if self.kind == Kind::BumpStop { "bma400" } else { "adxl367" };
+        let sensor = if self.rate() > 100.0 { "bma400" } else { "adxl367" };
         CostModel::new(self.processor, Accelerometer::named(sensor).expect("a part"))
     }
 
     /// Samples of a burst in a second.
     pub(super) fn rate(&self) -> f64 {
-        if self.kind == Kind::BumpStop { 800.0 } else { 100.0 }
+        self.kind.rate()
     }
 
     /// What the node by the voltage alone knows, in the energies of the harvester as it is.
@@ -204,7 +204,12 @@ impl Settings {
     /// # Panics
     /// If the settings are outside the bounds of a node.
     pub fn map(&self) -> Tiered<OneNode> {
-        self.map_node(self.kind.map(), MapNode::new).unwrap_or_else(|error| panic!("{error}"))
+        self.try_map().unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// The same, or why the settings are outside the bounds of a node.
+    pub(super) fn try_map(&self) -> Result<Tiered<OneNode>, String> {
+        self.map_node(self.kind.map(), MapNode::new)
     }
 
     /// The same on a battery.

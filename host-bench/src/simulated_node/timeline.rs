@@ -146,7 +146,7 @@ fn drawn(kind: Kind, random: &mut Source) -> VibrationKind {
     let vibration_kind =
         VibrationKind::RANDOM[(random.uniform(0.0, 1.0) * 7.0) as usize % VibrationKind::RANDOM.len()];
     // Friction holds the slider under most noises.
-    let still = kind == Kind::Sliding && vibration_kind == VibrationKind::Broadband;
+    let still = kind.is_slider() && vibration_kind == VibrationKind::Broadband;
     if still { VibrationKind::Tone } else { vibration_kind }
 }
 

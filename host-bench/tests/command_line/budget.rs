@@ -364,3 +364,31 @@ fn the_capacitance_for_wishes_is_that_of_a_node_that_is_never_off() {
         .sum();
     assert!(missed > 5.0, "{less}");
 }
+
+#[test]
+fn strategies_refuse_a_scene_that_is_no_harvester_of_a_node() {
+    let refuse = |scene: &str, parts: &[&str]| {
+        let file = format!("{}/scenes/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
+        refused(&["node-strategies", &file], parts);
+    };
+    refuse("contact-separation-truck", &["excitation.kind", "sine"]);
+    refuse("rectified", &["load.kind", "resistor"]);
+    refuse("bump-stop", &["stop", "must be absent"]);
+    refuse("nothing", &["nothing.toml"]);
+}
+
+/// The slider by its file: the bursts of its map are at its resonance, and both tiers know their income.
+#[test]
+#[ignore = "a minute: the map and its rows"]
+fn strategies_are_of_a_scene_file_too() {
+    let slider = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
+    let short = ["--course", "speed", "--as-designed", "--seeds", "1", "--storage", "slb12400l151"];
+    let told = accepted(&[&["node-strategies", slider, "--format", "json"], &short[..]].concat());
+    let rows: Vec<serde_json::Value> = serde_json::from_str(&told).expect("rows");
+    assert_eq!(rows.len(), 36);
+    for row in rows.iter().filter(|row| row["strategy"] == "map") {
+        // The voltage of a battery says next to nothing in an hour.
+        assert!(number(row, "error_median") < 0.2 && number(row, "inside") > 0.7, "{row}");
+        assert!(number(row, "actions") > 0.0 && number(row, "share") < 0.05, "{row}");
+    }
+}
