@@ -127,10 +127,15 @@ pub struct NodeYearsArguments {
     /// Output format; the table has of each node the quarter with the fewest hours inside
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    /// Write the quarters of each tier and storage to this file, a picture (.svg) or a page with zoom (.html)
+    #[arg(long, value_name = "FILE.svg|.html")]
+    page: Option<PathBuf>,
 }
 
 /// Runs all nodes and prints their quarters.
 pub fn run_years(arguments: &NodeYearsArguments) -> Result<(), Failure> {
+    let outputs = Outputs::of_shipped(["node"]);
+    outputs.check_picture("--page", &arguments.page)?;
     let quarters = years(365 * arguments.years, &STORAGES[..6])?;
     let of_a_node = |one: &Quarter, other: &Quarter| other.quarter > one.quarter;
     let worst =
@@ -138,5 +143,8 @@ pub fn run_years(arguments: &NodeYearsArguments) -> Result<(), Failure> {
     let worst: Vec<Quarter> = quarters.chunk_by(of_a_node).filter_map(worst).collect();
     let shown = if arguments.format == Format::Table { &worst } else { &quarters };
     print_rows(shown, arguments.format, 2)?;
+    if let Some(file) = &arguments.page {
+        outputs.write(file, &picture::of_years(&quarters).of_file(file)?)?;
+    }
     quarters.iter().try_for_each(Quarter::check)
 }

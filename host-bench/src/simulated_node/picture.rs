@@ -1,15 +1,17 @@
-//! A day of each strategy as a picture: income estimated and true, stored energy, actions, the cost of estimation.
+//! A day of each strategy as a picture: income estimated and true, stored energy, actions, the cost of estimation; and the quarters of
+//! years.
 
 use harvester_scene::market::Processor;
 use plotters::style::RGBColor;
 
-use super::compared::{Name, STORAGES, Setup};
+use super::compared::{Name, STORAGES, Setup, Storage};
 use super::harvester::Kind;
 use super::plant::Run;
 use super::timeline::{Course, Timeline};
+use super::years::Quarter;
 use crate::method::Failure;
 use crate::report::Picture;
-use crate::report::chart::{Axis, Chart, Curve, FROM_ZERO, Mark};
+use crate::report::chart::{Axis, Chart, Curve, FITTING, FROM_ZERO, Mark};
 use crate::report::svg::{BLACK, COLOURS};
 
 const HOURS: usize = 24;
@@ -64,4 +66,67 @@ pub(crate) fn picture(kind: Kind) -> Result<Picture, Failure> {
     ];
     let title = "A day of a node by each strategy".to_owned();
     Ok(Picture { title, width: 980, charts, ..Picture::default() })
+}
+
+/// The title of a chart of quarters, its ordinate, the worse of two values, and the value.
+type Panel = (&'static str, &'static str, fn(f64, f64) -> f64, fn(&Quarter) -> f64);
+
+const PANELS: [Panel; 3] = [
+    ("Hours inside their bound, least", "share [%]", f64::min, |one| 100.0 * one.inside),
+    ("Median bound, largest", "over that of the first quarter", f64::max, |one| one.bound_over_first),
+    ("Cost of estimation, largest", "over the income [%]", f64::max, |one| 100.0 * one.share),
+];
+
+/// The quarters of each tier on each storage, of all stresses and nights the worst.
+pub(crate) fn of_years(quarters: &[Quarter]) -> Picture {
+    let last = quarters.iter().map(|one| one.quarter).max().unwrap_or(1);
+    let chart = |tier: &'static str, (title, up, worse, of): Panel| {
+        let curve = |(Storage { name, capacitance, .. }, colour): (&Storage, RGBColor)| {
+            let at = |quarter: u32| {
+                let here = |one: &&Quarter| {
+                    (one.tier, one.quarter) == (tier, quarter)
+                        && (one.storage, one.capacitance_f) == (*name, *capacitance)
+                };
+                (f64::from(quarter), quarters.iter().filter(here).map(of).fold(f64::NAN, worse))
+            };
+            let name = format!("{name} of {capacitance} F");
+            Curve::new(name, colour, Mark::Dotted([1.5, 4.0]), (1..=last).map(at))
+        };
+        let curves = STORAGES[..6].iter().zip(COLOURS).map(curve).collect();
+        let across = Axis::linear("quarter of a year", [0.5, f64::from(last) + 0.5], 10);
+        Chart::new(format!("{title}: {tier}"), across, Axis::linear(up, FITTING, 6), curves)
+            .grouped("quarters", 280)
+    };
+    let charts =
+        PANELS.into_iter().flat_map(|panel| ["voltage", "map"].map(|tier| chart(tier, panel))).collect();
+    let title = "Years of a node, quarter by quarter: the worst of all stresses and nights".to_owned();
+    Picture { title, width: 1280, charts, ..Picture::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn years_show_the_worst_run_of_each_storage() {
+        let of = |index: usize, tier, quarter, inside| {
+            let Storage { name: storage, capacitance: capacitance_f, .. } = STORAGES[index];
+            Quarter { storage, capacitance_f, tier, quarter, inside, ..Quarter::default() }
+        };
+        let quarters = [
+            of(0, "voltage", 1, 1.0),
+            of(0, "voltage", 2, 0.99),
+            of(0, "voltage", 1, 0.96),
+            of(0, "map", 1, 0.9),
+            of(1, "voltage", 1, 0.98),
+        ];
+        let found = of_years(&quarters);
+        let points = |chart: usize, curve: usize| &found.charts[chart].curves[curve].points;
+        assert_eq!((found.charts.len(), found.charts[0].curves.len()), (6, 6));
+        assert_eq!(points(0, 0), &[(1.0, 96.0), (2.0, 99.0)]);
+        assert!(
+            (points(0, 1)[0], points(1, 0)[0]) == ((1.0, 98.0), (1.0, 90.0)) && points(1, 1)[0].1.is_nan()
+        );
+        assert!(found.svg().is_ok_and(|text| text.contains("capacitor of 0.00047 F")));
+    }
 }

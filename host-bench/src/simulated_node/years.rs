@@ -18,6 +18,7 @@ use super::plant::{GRAVITY, NOISE_COUNTS};
 use super::settings::{CELL, CONVERTER_NOISE, Settings, UNIT};
 use super::{Source, Tiered};
 use crate::method::Failure;
+use quarter::Hours;
 pub use quarter::{Quarter, Stress};
 
 const HOUR: u64 = 3600;
@@ -297,7 +298,7 @@ where
     let mut events = Source::of_seed(11);
     // The version; income at the last reported hour, and income without an estimate; income and estimation at the begin of the quarter.
     let (mut version, mut reported, mut unreported, mut begun) = (0, 0.0, 0.0, [0.0; 2]);
-    let (mut last, mut inside, mut next) = (None, 0, 5 * DAY);
+    let (mut last, mut hours, mut next) = (None, Hours::default(), 5 * DAY);
     let mut runner = Runner::new(site, &nodes[0].node, 0);
     while (quarters.len() as u64) < end / QUARTER && runner.board().second < 2 * end {
         runner.step();
@@ -328,22 +329,21 @@ where
         last = hour;
         let Site { income, estimation, frozen, .. } = *runner.board();
         if let Some(hour) = hour {
-            inside += u32::from(quarter.count(hour, income - reported));
+            quarter.count(hour, income - reported, &mut hours);
         }
         reported = income;
         quarter.refused_images += u32::from(runner.save(&mut buffer).is_err());
         if now >= u64::from(quarter.quarter) * QUARTER {
             let sum = (nodes[version].overall)(&nodes[version].node, runner.state());
             quarters.push(Quarter {
-                inside: f64::from(inside) / f64::from(quarter.hours),
                 sum_estimated_j: scale * f64::from(sum.energy),
                 sum_bound_j: scale * f64::from(sum.bound),
                 sum_true_j: scale * (income - unreported),
                 share: (estimation - begun[1]) / (income - begun[0]),
                 frozen_hours: frozen,
-                ..quarter
+                ..hours.close(quarter)
             });
-            (begun, inside, runner.board_mut().frozen) = ([income, estimation], 0, 0);
+            (begun, runner.board_mut().frozen) = ([income, estimation], 0);
             quarter = quarter.next();
         }
     }

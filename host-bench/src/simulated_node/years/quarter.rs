@@ -39,6 +39,8 @@ pub struct Quarter {
     pub hours: u32,
     /// Share of the hours whose estimate lies within its bound.
     pub inside: f64,
+    /// Median of the bounds of its hours over that of the first quarter.
+    pub bound_over_first: f64,
     pub sum_estimated_j: f64,
     pub sum_bound_j: f64,
     pub sum_true_j: f64,
@@ -52,12 +54,33 @@ pub struct Quarter {
     pub not_a_number: u32,
 }
 
+/// The hours of a quarter: how many are inside, and their bounds; the median of the first quarter. In J.
+#[derive(Debug, Default)]
+pub(super) struct Hours {
+    inside: u32,
+    bounds: Vec<f32>,
+    first: Option<f32>,
+}
+
+impl Hours {
+    /// The quarter with what its hours came to; those of the next one are to come.
+    pub(super) fn close(&mut self, quarter: Quarter) -> Quarter {
+        self.bounds.sort_by(f32::total_cmp);
+        let median = self.bounds.get(self.bounds.len() / 2).copied().unwrap_or(f32::NAN);
+        let bound_over_first = f64::from(median / *self.first.get_or_insert(median));
+        let inside = f64::from(self.inside) / f64::from(quarter.hours);
+        *self = Self { first: self.first, ..Self::default() };
+        Quarter { inside, bound_over_first, ..quarter }
+    }
+}
+
 impl Quarter {
-    /// Counts an hour with its true income in J; whether that is within the bound.
-    pub(super) fn count(&mut self, hour: IncomeOfTime, truth: f64) -> bool {
+    /// Counts an hour with its true income in J.
+    pub(super) fn count(&mut self, hour: IncomeOfTime, truth: f64, hours: &mut Hours) {
         self.hours += 1;
         self.not_a_number += u32::from(!(hour.energy + hour.bound).is_finite());
-        (f64::from(hour.energy) - truth).abs() <= f64::from(hour.bound)
+        hours.inside += u32::from((f64::from(hour.energy) - truth).abs() <= f64::from(hour.bound));
+        hours.bounds.push(hour.bound);
     }
 
     /// Refuses a quarter of a node that did not read, gave no number, or lost an image of its own.
@@ -81,5 +104,25 @@ impl Quarter {
 
     pub(super) fn next(self) -> Self {
         Self { quarter: self.quarter + 1, hours: 0, refused_images: 0, not_a_number: 0, ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_has_its_share_inside_and_its_bound_over_that_of_the_first() {
+        let (mut hours, mut quarter) = (Hours::default(), Quarter::default());
+        let mut of = |bounds: [f32; 4]| {
+            for bound in bounds {
+                let hour = IncomeOfTime { seconds: 3600, energy: 1.0, bound, silent: 0 };
+                quarter.count(hour, 0.0, &mut hours);
+            }
+            let closed = hours.close(quarter);
+            quarter = quarter.next();
+            [closed.inside, closed.bound_over_first]
+        };
+        assert_eq!([of([9.0, 0.5, 2.0, 0.1]), of([3.0, 3.5, 0.0, 1.0])], [[0.5, 1.0], [0.75, 1.5]]);
     }
 }
