@@ -76,8 +76,7 @@ pub(super) fn sensitivities(quantity: &[f64], keys: &[Vec<f64>]) -> Sensitivitie
         pairs.map(|[one, other]| ([one, other], of_unit(columns[one].component_mul(&columns[other]))));
     let terms: Vec<_> =
         columns.iter().cloned().enumerate().map(|(key, column)| ([key; 2], column)).chain(products).collect();
-    let explained = |with: &dyn Fn(&[usize; 2]) -> bool| {
-        let columns = terms.iter().filter(|(keys, _)| with(keys)).map(|(_, column)| column);
+    let explained = |columns: &mut dyn Iterator<Item = &DVector<f64>>| {
         let basis = independent(columns);
         let (samples, terms) = (quantity.len(), basis.len());
         let part = basis.iter().map(|column| column.dot(&sought).powi(2)).sum::<f64>();
@@ -85,7 +84,7 @@ pub(super) fn sensitivities(quantity: &[f64], keys: &[Vec<f64>]) -> Sensitivitie
         let adjusted = 1.0 - (1.0 - part) * freedom / (freedom - terms as f64);
         (samples > SAMPLES_PER_TERM * terms).then_some(adjusted).filter(|part| part.is_finite())
     };
-    let all = explained(&|_| true).filter(|_| !keys.is_empty());
+    let all = explained(&mut terms.iter().map(|(_, column)| column)).filter(|_| !keys.is_empty());
     let linear = independent(columns.iter()).len();
     let of_key = |key: usize| {
         let others = columns.iter().enumerate().filter(|(other, _)| *other != key).map(|(_, column)| column);
@@ -95,13 +94,14 @@ pub(super) fn sensitivities(quantity: &[f64], keys: &[Vec<f64>]) -> Sensitivitie
         if others.len() == linear || quantity.len() <= SAMPLES_PER_TERM * linear {
             return Sensitivity::default();
         }
-        let without = explained(&|keys| !keys.contains(&key));
+        let without = terms.iter().filter(|(keys, _)| !keys.contains(&key)).map(|(_, column)| column);
+        let without = explained(&mut { without });
         Sensitivity {
             variance_share: all.zip(without).map(|(all, without)| (all - without).max(0.0)),
             coefficient: Some(own.dot(&sought) / own.norm_squared()).filter(|number| number.is_finite()),
         }
     };
-    let first = explained(&|[one, other]| one == other).filter(|_| !keys.is_empty());
+    let first = explained(&mut columns.iter()).filter(|_| !keys.is_empty());
     Sensitivities { r_squared: [first, all], keys: (0..keys.len()).map(of_key).collect() }
 }
 
