@@ -150,13 +150,10 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     /// The guard that falls first in the step to `end` of those that are at or below zero there and were not due at the
     /// start, without a bit in `done`. A graze that is expected before it does not hide it.
     fn certain_fall(&self, ticks: u32, end: &Point<S, N, P>, done: u32) -> Option<Fall<S>> {
-        let stays = |index: usize| {
-            self.guard(index, end, ticks).value > S::ZERO || self.guard(index, self.start, 0).is_due()
-        };
         let guards = 0..self.automaton.guards(self.mode).min(MOST_GUARDS);
         let done = guards.fold(done, |done, index| {
-            let bit = 1 << index;
-            if done & bit == 0 && stays(index) { done | bit } else { done }
+            let rises = self.guard(index, end, ticks).value > S::ZERO;
+            done | u32::from(rises || self.guard(index, self.start, 0).is_due()) << index
         });
         self.expected_fall(ticks, end, done)
     }
@@ -194,12 +191,14 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         if end.value > S::ZERO && !(end.rate > S::ZERO) || done & (1 << index) != 0 {
             return first;
         }
-        let start = self.guard(index, self.start, 0);
-        if end.value > S::ZERO && !(start.rate < S::ZERO) {
+        let (start, step) = (self.guard(index, self.start, 0), seconds_of_ticks(ticks));
+        // A guard that rises at both ends can have a minimum, but not below zero if its cubic's third Bernstein coefficient is above.
+        let least = S::from_f64(1.0 / 3.0) * step * end.rate.max(S::ZERO);
+        if end.value > least && !(start.rate < S::ZERO) {
             return first;
         }
         let margin = S::from_f64(NEAR_ZERO) * (start.value + end.value);
-        match start.until(&end, seconds_of_ticks(ticks)).approximate_fall(margin) {
+        match start.until(&end, step).approximate_fall(margin) {
             Some(theta) if first.is_none_or(|earliest| theta < earliest.theta) => {
                 Some(Fall { index, theta, certain: !(end.value > S::ZERO) })
             }
