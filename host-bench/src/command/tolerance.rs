@@ -144,33 +144,7 @@ impl<'a> Found<'a> {
         };
         let size = |one: &Value| one["total"].as_f64().unwrap_or(f64::INFINITY);
         let stated = points.iter().filter_map(|point| point.found.as_ref().ok()?.get("accuracy"));
-        let (all, lacking) = (points.len() - 1, points.len() - 1 - values.len());
-        let lacking = format!("{lacking} of {all} samples failed or have no {quantity}, and are left out");
-        let percent =
-            |part: Option<f64>| part.map(|part| format!("explains {:.0} % of the variance", 100.0 * part));
-        let unexplained = r_squared.is_none_or(|part| part < LEAST_R_SQUARED).then(|| {
-            let none = || "has too few samples".to_owned();
-            let [linear, quadratic] = [r_squared, quadratic].map(|part| percent(part).unwrap_or_else(none));
-            format!(
-                "sensitivities: a linear fit {linear}, a quadratic one {quadratic}: standardised coefficients do not say \
-                 which key matters, and variance_share as far as the latter"
-            )
-        });
-        let parts = sampling.keys.iter().map(|key| key.parts.len()).find(|parts| *parts > 0);
-        let repeated = parts.filter(|parts| *parts < all).map(|parts| {
-            format!("samples: {parts} parts are taken in turn; intervals are those of further samples of these parts")
-        });
-        let is_unsteady =
-            |point: &&Point| point.text("steady_state").is_some_and(|verdict| verdict != STABLE);
-        let unsteady = points.iter().filter(is_unsteady).count();
-        let unsteady = (unsteady > 0).then(|| {
-            format!(
-                "steady state: {unsteady} of {} runs have no stable orbit, their numbers are of the run",
-                points.len()
-            )
-        });
-        let warnings = warnings(points).chain((values.len() < all).then_some(lacking));
-        let warnings = warnings.chain(unexplained).chain(repeated).chain(unsteady);
+        let remarks = remarks(sampling, points, (quantity, values.len()), matter.r_squared);
         let fields = fields(&json!({
             "quantity": quantity,
             "generator": GENERATOR,
@@ -182,7 +156,7 @@ impl<'a> Found<'a> {
             "linear_r_squared": r_squared,
             "quadratic_r_squared": quadratic,
             "accuracy": stated.max_by(|one, other| size(one).total_cmp(&size(other))),
-            "warnings": warnings.collect::<Vec<_>>(),
+            "warnings": warnings(points).chain(remarks).collect::<Vec<_>>(),
         }));
         Self { arguments, nominal, values, sorted, keys: keys.into_iter().map(|key| key.0).collect(), fields }
     }
@@ -262,6 +236,43 @@ impl<'a> Found<'a> {
         let all = std::iter::once(Chart { note: self.note(), ..distribution }).chain(keys);
         if sorted.is_empty() { Vec::new() } else { all.collect() }
     }
+}
+
+/// What is to be known of the samples beside the warnings of their runs.
+fn remarks(
+    sampling: &Sampling,
+    points: &[Point],
+    (quantity, valued): (&str, usize),
+    r_squared: [Option<f64>; 2],
+) -> impl Iterator<Item = String> {
+    let all = points.len() - 1;
+    let lacking = (valued < all)
+        .then(|| format!("{} of {all} samples failed or have no {quantity}, and are left out", all - valued));
+    let unexplained = r_squared[0].is_none_or(|part| part < LEAST_R_SQUARED).then(|| {
+        let [linear, quadratic] = r_squared.map(|part| match part {
+            Some(part) => format!("explains {:.0} % of the variance", 100.0 * part),
+            None => "has too few samples".to_owned(),
+        });
+        format!(
+            "sensitivities: a linear fit {linear}, a quadratic one {quadratic}: standardised coefficients do not say which key \
+             matters, and variance_share as far as the latter"
+        )
+    });
+    let parts = sampling.keys.iter().map(|key| key.parts.len()).find(|parts| *parts > 0);
+    let repeated = parts.filter(|parts| *parts < all).map(|parts| {
+        format!(
+            "samples: {parts} parts are taken in turn; intervals are those of further samples of these parts"
+        )
+    });
+    let is_unsteady = |point: &&Point| point.text("steady_state").is_some_and(|verdict| verdict != STABLE);
+    let unsteady = points.iter().filter(is_unsteady).count();
+    let unsteady = (unsteady > 0).then(|| {
+        format!(
+            "steady state: {unsteady} of {} runs have no stable orbit, their numbers are of the run",
+            all + 1
+        )
+    });
+    [lacking, unexplained, repeated, unsteady].into_iter().flatten()
 }
 
 /// A row for each statistic, with its 95 % confidence interval for the number of samples: of the mean by Student's t, of
