@@ -14,16 +14,20 @@ pub(crate) mod outcome;
 pub(crate) mod picture;
 mod plant;
 
+use std::path::Path;
+
 use model_core::scalar::Scalar;
 
 use self::controller::Controller;
 use self::income::Income;
 use self::outcome::{ActionOutcome, EstimationOutcome, NodeDay, Sample};
 use self::plant::{ChargedStorage, LoopedStorage, Plant, StorageAccount, energy_at};
+use crate::accuracy::Statements;
 use crate::embedded::Midnight;
 use crate::method::{Failure, Options, Precision};
 use crate::name::Name;
-use crate::scene_file::{Action, HOURS, Load, Node, Scene};
+use crate::outcome::Fields;
+use crate::scene_file::{self, Action, HOURS, Load, Node, Override, Scene};
 
 const DAY_S: u32 = 86_400;
 
@@ -51,6 +55,16 @@ pub(crate) fn simulate(
         (Precision::F64, 96) => days.last::<f64, 96>(),
         (Precision::F64, _) => days.last::<f64, 144>(),
     }
+}
+
+/// The numbers of the day of a node for a search over keys, by level and in the precision of firmware, after two days.
+pub(crate) fn day_numbers(file: &Path, overrides: &[Override]) -> Result<Fields, Failure> {
+    let (scene, node) = scene_file::read_with_node(file, overrides)?;
+    let mut statements = Statements::default();
+    let options = income::options(&scene, Precision::F32, None);
+    let income = income::by_level(&scene, &node, &options, &mut statements)?;
+    let day = simulate(&node, &income, 2, Precision::F32, None)?;
+    Ok(day.numbers(statements.total()))
 }
 
 struct Days<'a> {

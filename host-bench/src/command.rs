@@ -60,7 +60,8 @@ pub(crate) const SHIPPED_SCENES: [&str; 3] = ["contact-separation", "sliding", "
 /// A key or a table of a scene that a command does not use, and what does.
 pub(crate) type Unused = (&'static str, &'static str);
 /// The table of which only `budget` makes use.
-pub(crate) const NODE: Unused = ("node", "[node] is of the command budget");
+pub(crate) const NODE: Unused =
+    ("node", "[node] is of the command budget; sweep, tolerance and optimise take it with --node");
 
 /// Refuses options that set a key of the scene which `unused` has, or which a later one replaces. An option is its name
 /// and its key, in the order in which they apply.

@@ -13,8 +13,9 @@ use serde_json::{Map, Value, json};
 
 pub(crate) use self::picture::picture;
 pub(crate) use self::search::{most_runs, optimise};
+use crate::budget::day_numbers;
 use crate::method::{Failure, Options};
-use crate::outcome::{Outcome, fields, flattened, number};
+use crate::outcome::{Fields, Outcome, fields, flattened, number};
 use crate::resolution::resonances;
 use crate::run::run_scene;
 use crate::scene_file::{self, Override, Scene};
@@ -130,6 +131,8 @@ pub(crate) struct Request<'a> {
     /// Is called after each run.
     pub(crate) done: &'a (dyn Fn() + Sync),
     pub(crate) runs: Runs,
+    /// Whether the numbers of the day of the scene's node are among those of a run.
+    pub(crate) node: bool,
     /// Whether the best point is run from its own start only.
     pub(crate) single_start: bool,
 }
@@ -151,14 +154,22 @@ impl Runs {
 impl Request<'_> {
     /// The scene at a place: a part of the range for each key.
     fn scene(&self, place: &[f64]) -> Result<Scene, Failure> {
-        let mut overrides = self.overrides.to_vec();
-        let values = self.ranges.iter().zip(place);
-        overrides.extend(
-            values.map(|(range, part)| Override::new(&range.key, &number(range.value(*part))).by("--over")),
-        );
-        let mut scene = scene_file::read(self.file, &overrides)?;
+        let mut scene = scene_file::read(self.file, &self.overrides_at(place))?;
         (self.hold)(&mut scene)?;
         Ok(scene)
+    }
+
+    fn overrides_at(&self, place: &[f64]) -> Vec<Override> {
+        let values = self.ranges.iter().zip(place);
+        let values =
+            values.map(|(range, part)| Override::new(&range.key, &number(range.value(*part))).by("--over"));
+        self.overrides.iter().cloned().chain(values).collect()
+    }
+
+    /// The numbers of a run, and of the day of the node.
+    fn numbers(&self, place: &[f64], outcome: &Outcome) -> Result<Fields, Failure> {
+        let day = if self.node { day_numbers(self.file, &self.overrides_at(place))? } else { Fields::new() };
+        Ok(flattened(fields(outcome)).into_iter().chain(day).collect())
     }
 
     /// A run that is not yet counted.
@@ -183,7 +194,7 @@ impl Request<'_> {
         let scene = || self.scene(place).ok();
         let tuned = outcome.as_ref().and_then(|outcome| Some(Tuning::of(&scene()?, outcome)));
         let found = outcome.and_then(|outcome| {
-            let found = self.judge(&outcome);
+            let found = self.judge(place, &outcome);
             self.runs.failed.fetch_add(usize::from(found.is_none()), Ordering::Relaxed);
             found
         });
@@ -192,8 +203,8 @@ impl Request<'_> {
     }
 
     /// The value sought, the higher the better, and the margin of each constraint; `None` where one is undefined.
-    fn judge(&self, outcome: &Outcome) -> Option<(f64, Vec<f64>)> {
-        let numbers = flattened(fields(outcome));
+    fn judge(&self, place: &[f64], outcome: &Outcome) -> Option<(f64, Vec<f64>)> {
+        let numbers = self.numbers(place, outcome).ok()?;
         let value = |name: &str| {
             let found = numbers.get(name).and_then(Value::as_f64).filter(|value| value.is_finite());
             // A run that approaches no limit has an ample margin, of which the result warns.
@@ -211,8 +222,8 @@ impl Request<'_> {
     }
 
     /// A warning where the result has no margin of which a constraint is.
-    fn unapproached(&self, outcome: &Outcome) -> Option<String> {
-        let numbers = flattened(fields(outcome));
+    fn unapproached(&self, place: &[f64], outcome: &Outcome) -> Option<String> {
+        let numbers = self.numbers(place, outcome).ok()?;
         let is_unknown = |one: &&Constraint| numbers.get(&one.quantity).is_none_or(Value::is_null);
         let name = self.constraints.iter().find(is_unknown)?.text();
         Some(format!("{name} is not checked: the best run approaches no such limit and has no margin"))
@@ -239,8 +250,9 @@ impl Request<'_> {
     }
 
     /// Refuses a quantity that the result of the scene does not have.
-    fn check_quantities(&self, outcome: &Outcome) -> Result<(), Failure> {
-        self.quantities().try_for_each(|(option, name)| check_quantity(option, name, outcome))
+    fn check_quantities(&self, place: &[f64], outcome: &Outcome) -> Result<(), Failure> {
+        let numbers = self.numbers(place, outcome)?;
+        self.quantities().try_for_each(|(option, name)| check_quantity(option, name, &numbers))
     }
 
     /// The value in its own sign.
@@ -250,8 +262,7 @@ impl Request<'_> {
 }
 
 /// Refuses a number that the result of a scene does not have.
-pub(crate) fn check_quantity(option: &str, name: &str, outcome: &Outcome) -> Result<(), Failure> {
-    let numbers = flattened(fields(outcome));
+pub(crate) fn check_quantity(option: &str, name: &str, numbers: &Fields) -> Result<(), Failure> {
     if numbers.get(name).is_some_and(|value| value.is_number() || value.is_null()) {
         return Ok(());
     }

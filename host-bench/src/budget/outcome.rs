@@ -7,6 +7,7 @@ use super::plant::StorageAccount;
 use crate::embedded::WholeDay;
 use crate::name::Name;
 use crate::outcome::{Fields, Format, fields, text};
+use crate::report::setting::with_unit;
 use harvester_scene::market::Evidence;
 
 use crate::scene_file::{EstimationCost, HOURS, PartFigure};
@@ -175,6 +176,44 @@ impl NodeDay {
         all
     }
 
+    /// Those of the whole day that a search over keys has, with the largest statement of its income.
+    pub(super) fn numbers(&self, income_accuracy: Option<f64>) -> Fields {
+        let [runs, wished] = self.runs();
+        let actions =
+            self.actions.iter().map(|one| (format!("node_{}_runs", one.name.line()), json!(one.runs)));
+        let all = fields(&json!({
+            "node_runs": runs,
+            "node_wished_runs": wished,
+            "node_lockouts": self.account.lockouts,
+            "node_lockout_s": self.account.lockout_s,
+            "node_lowest_voltage_v": self.lowest_v,
+            "node_shunted_j": self.account.shunted,
+            "node_capacitance_for_wishes_f": self.smallest_capacitance_f,
+            "node_income_accuracy": income_accuracy,
+        }));
+        all.into_iter().chain(actions).collect()
+    }
+
+    /// Runs of all actions, and how often they were to be run.
+    fn runs(&self) -> [f64; 2] {
+        let runs = self.actions.iter().map(|one| f64::from(one.runs)).sum();
+        [runs, self.actions.iter().map(|one| one.wished).sum()]
+    }
+
+    /// Whether the wishes are met, and by which storage they would be, in a sentence. A day may begin and end within a wish.
+    fn verdict(&self) -> String {
+        let [runs, wished] = self.runs();
+        let is_met = self.actions.iter().all(|one| f64::from(one.runs) + 1.0 >= one.wished);
+        let storage = match self.smallest_capacitance_f {
+            Some(smallest) => {
+                format!("the smallest storage that sustains all of them has {}", with_unit(smallest, "F"))
+            }
+            None => "no capacitance is known that sustains all of them".to_owned(),
+        };
+        let (word, lockouts) = (if is_met { "met" } else { "not met" }, self.account.lockouts);
+        format!("wishes {word}: {runs:.0} of {wished:.0} runs, {lockouts} lock-outs; {storage}")
+    }
+
     /// The figures of the named parts that no source confirms, as one text.
     fn not_confirmed(&self) -> String {
         let figures = self.figures.iter().filter(|figure| figure.evidence != Evidence::Confirmed);
@@ -206,6 +245,7 @@ impl NodeDay {
                 all.insert("figures_not_confirmed".to_owned(), json!(self.not_confirmed()));
             }
         }
+        all.insert("verdict".to_owned(), json!(self.verdict()));
         text(&all, format)
     }
 }

@@ -56,6 +56,9 @@ pub struct OptimiseArguments {
     steady_state: bool,
     #[command(flatten)]
     storage_voltage: StorageVoltage,
+    /// Simulate the day of the scene's node at each point too, as budget does: quantities node_…, and keys node.…
+    #[arg(long)]
+    node: bool,
     /// Run the best point from its own start only
     #[arg(long)]
     single_start: bool,
@@ -105,29 +108,25 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outpu
     let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
     let options = Options { steady_state: arguments.steady_state, ..*options };
     options.check()?;
-    let storage_voltage = arguments.storage_voltage;
-    storage_voltage.check(arguments.steady_state)?;
+    arguments.storage_voltage.check(arguments.steady_state)?;
     let grid = grid(arguments)?;
     let keys = overrides.iter().map(|change| ("--set", change.key()));
     let keys = keys.chain(arguments.ranges.iter().map(|range| ("--over", range.key.as_str())));
-    check_keys(
-        &keys.collect::<Vec<_>>(),
-        &storage_voltage.unused(&[NODE, ("fit", "[fit] is of the command fit")]),
-    )?;
+    let unused = &[NODE, ("fit", "[fit] is of the command fit")][usize::from(arguments.node)..];
+    check_keys(&keys.collect::<Vec<_>>(), &arguments.storage_voltage.unused(unused))?;
     let outputs = Outputs::of(file, overrides)?;
     let pictures = [arguments.output.as_deref().and_then(beside), arguments.picture.clone()];
     for path in arguments.output.iter().chain(&pictures[0]) {
         outputs.check("--output", path)?;
     }
     outputs.check_picture("--picture", &arguments.picture)?;
-    let hold = |scene: &mut Scene| storage_voltage.hold(scene);
     let of_margins: Option<Constraint> = arguments.keep_margins.then(|| MARGINS.parse().ok()).flatten();
     let bar = progress(0);
     let request = Request {
         file,
         overrides,
         options,
-        hold: &hold,
+        hold: &|scene: &mut Scene| arguments.storage_voltage.hold(scene),
         done: &|| one_more(&bar),
         runs: Runs::default(),
         quantity: arguments.maximise.clone().or(arguments.minimise.clone()).unwrap_or_default(),
@@ -135,6 +134,7 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outpu
         ranges: arguments.ranges.clone(),
         constraints: arguments.constraints.iter().cloned().chain(of_margins).collect(),
         grid,
+        node: arguments.node,
         single_start: arguments.single_start,
     };
     // A search may end before its most runs.
@@ -149,8 +149,8 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outpu
         outputs.keep(path, picture.of_file(path)?);
     }
     if let Some(path) = &arguments.output {
-        let entries = entries(&found, &request);
-        outputs.keep(path, fitted_scene(file, overrides, &entries, folder(path) != folder(file))?);
+        let is_moved = folder(path) != folder(file);
+        outputs.keep(path, fitted_scene(file, overrides, &entries(&found, &request), is_moved)?);
     }
     let text = match format {
         Format::Json => json_text(&found.json(&request))?,

@@ -64,8 +64,10 @@ pub(super) fn first(request: &Request<'_>, grid: &[Vec<f64>]) -> Result<Vec<Poin
     for places in grid.chunks(rayon::current_num_threads().max(1)) {
         let tried: Vec<_> = places.par_iter().map(|place| request.run(place)).collect();
         // The first run that succeeds has the names.
-        let named = tried.iter().find_map(|tried| tried.as_ref().ok());
-        let is_done = named.map(|outcome| request.check_quantities(outcome)).transpose()?.is_some();
+        let mut named =
+            places.iter().zip(&tried).filter_map(|(place, tried)| Some((place, tried.as_ref().ok()?)));
+        let checked = named.next().map(|(place, outcome)| request.check_quantities(place, outcome));
+        let is_done = checked.transpose()?.is_some();
         for (place, tried) in places.iter().zip(tried) {
             let tried = request.counted(tried);
             if let Err(failure) = &tried {

@@ -100,7 +100,7 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
         format!("{} is the same at all points of the grid: the keys do not change it", request.quantity)
     });
     let doubts = level.into_iter().chain(doubt(request, &best, &outcome));
-    let doubts = doubts.chain(request.unapproached(&outcome)).collect();
+    let doubts = doubts.chain(request.unapproached(&best.place, &outcome)).collect();
     let runs = request.runs.counts();
     let searched = searched(request, between.places.len());
     Ok(Optimum { best, unconstrained, flat, others, searched, outcome, points, runs, doubts })

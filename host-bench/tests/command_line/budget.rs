@@ -337,6 +337,58 @@ fn what_a_node_must_not_be_is_refused() {
     refused(&["budget", bump_stop, "--exact"], &["node: is missing"]);
 }
 
+#[test]
+fn a_verdict_says_whether_all_wishes_are_met_and_by_which_storage() {
+    let day = |capacitance: &str| {
+        let set = format!("node.storage.capacitance_f={capacitance}");
+        json("budget-verdict", &["--set", &set])
+    };
+    let (small, large) = (day("0.02"), day("3"));
+    let verdict = |day: &serde_json::Value| day["verdict"].as_str().expect("a sentence").to_owned();
+    let smallest = number(&small, "capacitance_for_wishes_f");
+    assert!(
+        verdict(&small).starts_with("wishes not met: ") && !verdict(&small).contains(" 0 lock-outs"),
+        "{small}"
+    );
+    let storage = format!("{:.4} ", if smallest < 1.0 { 1e3 * smallest } else { smallest });
+    let digits = storage.trim().trim_end_matches('0').to_owned();
+    assert!(verdict(&small).contains(&digits), "{digits}: {small}");
+    assert!(
+        verdict(&large).starts_with("wishes met: ") && verdict(&large).contains(", 0 lock-outs;"),
+        "{large}"
+    );
+}
+
+#[test]
+fn a_sweep_and_an_optimum_have_the_day_of_the_node() {
+    let key = "node.storage.capacitance_f";
+    let over = format!("{key}=0.02:0.5:3");
+    let short = ["--set", "run={duration_s=3,settle_s=2}", "--node", "--format", "json"];
+    let sweep = [&["sweep", NODE, "--over", &over, "--no-accuracy"], &short[..]].concat();
+    let points: serde_json::Value = serde_json::from_str(&accepted(&sweep)).expect("a list");
+    let day = json("budget-swept", &["--set", &format!("{key}=0.02")]);
+    for (of_sweep, of_day) in [
+        ("node_lockouts", "lockouts"),
+        ("node_lockout_s", "lockout_s"),
+        ("node_lowest_voltage_v", "lowest_voltage_v"),
+        ("node_shunted_j", "shunted_j"),
+        ("node_capacitance_for_wishes_f", "capacitance_for_wishes_f"),
+    ] {
+        assert_eq!(points[0][of_sweep], day[of_day], "{of_sweep}");
+    }
+    let runs: f64 = day["actions"].as_array().expect("actions").iter().map(|one| number(one, "runs")).sum();
+    assert_eq!(points[0]["node_runs"].as_f64(), Some(runs));
+    assert!(number(&points[2], "node_runs") > runs && number(&points[0], "node_lockouts") > 0.0, "{points}");
+    let over = format!("{key}=0.02:0.5");
+    let optimise = ["optimise", NODE, "--maximise", "node_runs", "--over", &over, "--grid", "3"];
+    let best: serde_json::Value =
+        serde_json::from_str(&accepted(&[&optimise[..], &short].concat())).expect("JSON");
+    assert!(number(&best, "value") >= number(&points[2], "node_runs"), "{best}");
+    refused(&optimise, &["--over node.storage.capacitance_f", "--node"]);
+    let passive = super::tool::PASSIVE;
+    refused(&["sweep", passive, "--over", "load.resistance_ohm=1:2:2", "--node"], &["node: is missing"]);
+}
+
 /// A node that is off does not know the income of those hours; the capacitance that it needs does not depend on it.
 #[test]
 fn the_capacitance_for_wishes_is_that_of_a_node_that_is_never_off() {

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::rows::{Rows, file_of};
 use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
+use crate::budget::day_numbers;
 use crate::command::files::{Outputs, make_folder};
 use crate::command::{NODE, SceneArguments, StorageVoltage, check_keys, note, print, progress};
 use crate::input::{self, MOST_OF_DATA};
@@ -34,6 +35,9 @@ pub(in crate::command) struct PointArguments {
     steady_state: bool,
     #[command(flatten)]
     storage_voltage: StorageVoltage,
+    /// Simulate the day of the scene's node at each point too, as budget does: numbers node_…, and keys node.…
+    #[arg(long)]
+    node: bool,
     /// Run each point once only: without the accuracy statement, and a bump-stop scene with its default steps
     #[arg(long)]
     no_accuracy: bool,
@@ -97,7 +101,7 @@ impl Points<'_> {
         let overrides = scene.overrides.iter().map(|change| ("--set", change.key()));
         let overrides = overrides.filter(|(_, key)| !is_about(key));
         let keys: Vec<(&str, &str)> = overrides.chain(self.keys.iter().copied()).collect();
-        check_keys(&keys, &storage_voltage.unused(&[NODE]))?;
+        check_keys(&keys, &storage_voltage.unused(if self.arguments.node { &[] } else { &[NODE] }))?;
         let rows = match output {
             Some(folder) => {
                 let files = self.files();
@@ -158,11 +162,11 @@ impl Points<'_> {
 
     /// The scene with these values.
     pub(in crate::command) fn scene(&self, values: &[f64]) -> Result<Scene, Failure> {
-        let SceneArguments { scene: file, overrides, .. } = &self.arguments.scene;
-        let mut overrides = overrides.clone();
-        let keys = self.keys.iter().zip(values);
-        overrides.extend(keys.map(|((option, key), value)| Override::new(key, &number(*value)).by(option)));
-        let mut scene = scene_file::read(file, &overrides)?;
+        let (file, overrides) = (&self.arguments.scene.scene, self.overrides(values));
+        let mut scene = match self.arguments.node {
+            true => scene_file::read_with_node(file, &overrides)?.0,
+            false => scene_file::read(file, &overrides)?,
+        };
         self.arguments.storage_voltage.hold(&mut scene)?;
         Ok(scene)
     }
@@ -174,6 +178,28 @@ impl Points<'_> {
         let parameters = setting(&self.scene(&(self.values)(0))?, without);
         let smallest = margin(found.iter().filter_map(|point| point.number("smallest_margin")));
         Ok(format!("{file}, {method}: {parameters}{smallest}"))
+    }
+
+    fn overrides(&self, values: &[f64]) -> Vec<Override> {
+        let keys = self.keys.iter().zip(values);
+        let keys = keys.map(|((option, key), value)| Override::new(key, &number(*value)).by(option));
+        self.arguments.scene.overrides.iter().cloned().chain(keys).collect()
+    }
+
+    /// The numbers of a point, without its statement.
+    pub(in crate::command) fn numbers(&self, index: usize) -> Result<Fields, Failure> {
+        let values = (self.values)(index);
+        let numbers = fields(&run_scene(&self.scene(&values)?, &self.arguments.options())?);
+        let day = self.day(&values)?;
+        Ok(flattened(numbers).into_iter().chain(day).collect())
+    }
+
+    /// The numbers of the day of the node, if it is simulated.
+    fn day(&self, values: &[f64]) -> Result<Fields, Failure> {
+        match self.arguments.node {
+            true => day_numbers(&self.arguments.scene.scene, &self.overrides(values)),
+            false => Ok(Fields::new()),
+        }
     }
 
     /// Runs the point of a number, unless it was done before.
@@ -195,7 +221,13 @@ impl Points<'_> {
             Ok(outcome) => compared(&scene, outcome, self.compare.then_some(options))?,
             Err(_) => None,
         };
-        let found = found.map(|outcome| fields(&outcome));
+        let mut found = found.map(|outcome| fields(&outcome));
+        if let Ok(fields) = &mut found {
+            match stopped_as_text(self.day(&numbers))? {
+                Ok(day) => fields.extend(day),
+                Err(error) => found = Err(error),
+            }
+        }
         rows.map_or(Ok(()), |rows| rows.add(index, &found))?;
         Ok(Point { values, found, compared })
     }
@@ -204,8 +236,8 @@ impl Points<'_> {
     fn identity(&self) -> Result<String, Failure> {
         // The same points in another folder or format are the same.
         let PointArguments { scene, output: _, steady_state, storage_voltage, .. } = self.arguments;
-        let PointArguments { no_accuracy, single_start, .. } = self.arguments;
-        let flags = [*steady_state, self.compare, *no_accuracy, *single_start];
+        let PointArguments { no_accuracy, single_start, node, .. } = self.arguments;
+        let flags = [*steady_state, self.compare, *no_accuracy, *single_start, *node];
         let asked = (&scene.options, &scene.overrides, &self.asked, storage_voltage, flags);
         let mut asked = format!("{asked:?}").into_bytes();
         for file in scene_file::files(&scene.scene, &scene.overrides)? {
