@@ -200,10 +200,11 @@ impl NodeDay {
         [runs, self.actions.iter().map(|one| one.wished).sum()]
     }
 
-    /// Whether the wishes are met, and by which storage they would be, in a sentence. A day may begin and end within a wish.
+    /// Whether the wishes are met, and by which storage they would be, in a sentence. A
+    /// wish is met to a hundredth: decisions fall between its periods, and a day begins and ends within one.
     fn verdict(&self) -> String {
         let [runs, wished] = self.runs();
-        let is_met = self.actions.iter().all(|one| f64::from(one.runs) + 1.0 >= one.wished);
+        let is_met = self.actions.iter().all(|one| f64::from(one.runs) + 1.0 >= 0.99 * one.wished);
         let storage = match self.smallest_capacitance_f {
             Some(smallest) => {
                 format!("the smallest storage that sustains all of them has {}", with_unit(smallest, "F"))
