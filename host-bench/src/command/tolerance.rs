@@ -16,7 +16,7 @@ use super::sweep::warnings;
 use crate::accuracy::print_warnings;
 use crate::method::Failure;
 use crate::optimise::check_quantity;
-use crate::outcome::{Fields, Format, STABLE, fields, flattened, shown, small, text};
+use crate::outcome::{Fields, Format, STABLE, fields, flattened, folded, shown, small, text};
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::setting::{distinct_labels, label, number_and_unit, scaled, words_and_unit};
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, range, tick};
@@ -176,6 +176,7 @@ impl<'a> Found<'a> {
         let chart = picture.charts.first().map_or_else(String::new, |chart| terminal(chart, 12));
         let heading =
             format!("{}: {}; accuracy of mean_power_w {stated}", self.arguments.quantity, self.note());
+        let heading = folded(&heading, 2);
         format!("{heading}\n\n{statistics}\n{keys}{}\n\n{chart}", fits.join(", "))
     }
 
