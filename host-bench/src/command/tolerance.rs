@@ -249,7 +249,7 @@ fn remarks(
         .then(|| format!("{} of {all} samples failed or have no {quantity}, and are left out", all - valued));
     let unexplained = r_squared[0].is_none_or(|part| part < LEAST_R_SQUARED).then(|| {
         let [linear, quadratic] = r_squared.map(|part| match part {
-            Some(part) => format!("explains {:.0} % of the variance", 100.0 * part),
+            Some(part) => format!("explains {:.0} % of the variance", 100.0 * part.max(0.0)),
             None => "has too few samples".to_owned(),
         });
         format!(

@@ -32,7 +32,7 @@ pub enum Kind {
     ContactSeparation,
     Sliding,
     BumpStop,
-    /// That of [`Kind::of_file`].
+    /// That of a scene file.
     #[value(skip)]
     Other,
 }

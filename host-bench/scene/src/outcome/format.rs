@@ -283,7 +283,7 @@ mod tests {
         for (names, style) in
             [(0, presets::ASCII_MARKDOWN), (1, presets::ASCII_MARKDOWN), (1, presets::NOTHING)]
         {
-            let wide = rows.clone().map(|row| [&row[..], &row[1..3]].concat());
+            let wide = rows.map(|row| [&row[..], &row[1..3]].concat());
             let heading = [&headings[..], &headings[1..3]].concat();
             let text = table(style, heading, wide, names);
             let words = |texts: &mut dyn Iterator<Item = &str>| -> Vec<String> {
