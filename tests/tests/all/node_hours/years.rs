@@ -30,6 +30,7 @@ fn each_quarter_of_four_hundred_days_is_inside_its_bounds() {
         "quarter",
         "hours",
         "inside",
+        "bound_over_first",
         "sum_estimated_j",
         "sum_bound_j",
         "sum_true_j",
