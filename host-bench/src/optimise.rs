@@ -268,8 +268,8 @@ pub(crate) fn check_quantity(option: &str, name: &str, numbers: &Fields) -> Resu
     }
     let known = numbers.iter().filter(|(key, value)| value.is_number() && irrelevant(key).is_none());
     let known: Vec<&str> = known.map(|(key, _)| key.as_str()).collect();
-    let known = known.join(", ");
-    Err(Failure::Input(format!("{option} {name}: must be a number of the result: {known}")))
+    let reason = format!("must be a number of the result: {}", known.join(", "));
+    Err(Failure::Input(format!("{option} {name}: {reason}")))
 }
 
 /// Why a number of the result says nothing of the harvester; `None` of one that does.

@@ -16,7 +16,7 @@ use self::picture::{Labels, Quantity, picture};
 use self::points::{Point, PointArguments, Points, csv};
 use super::{is_quiet, note, print_line};
 use crate::method::Failure;
-use crate::outcome::{Format, STABLE};
+use crate::outcome::Format;
 use crate::report::Picture;
 use crate::rows::{Column, Digits};
 
@@ -105,8 +105,7 @@ fn picture_of(axes: &[Axis], points: &Points<'_>, found: &[Point]) -> Result<Opt
     }
     let keys: Vec<&str> = axes.iter().filter(|axis| axis.count() > 1).map(|axis| axis.key.as_str()).collect();
     let title = points.title(found, &keys)?;
-    let is_of_a_run = |point: &Point| point.text("steady_state").is_some_and(|verdict| verdict != STABLE);
-    let unstable: Vec<bool> = found.iter().map(is_of_a_run).collect();
+    let unstable: Vec<bool> = found.iter().map(Point::is_of_a_run).collect();
     let words = Labels {
         title: &title,
         without: "the run failed",

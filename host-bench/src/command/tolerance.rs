@@ -16,7 +16,7 @@ use super::sweep::warnings;
 use crate::accuracy::print_warnings;
 use crate::method::Failure;
 use crate::optimise::check_quantity;
-use crate::outcome::{Fields, Format, STABLE, fields, flattened, folded, shown, small, text};
+use crate::outcome::{Fields, Format, fields, flattened, folded, shown, small, text};
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::setting::{distinct_labels, label, number_and_unit, scaled, words_and_unit};
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, range, tick};
@@ -70,9 +70,8 @@ pub fn run(arguments: &ToleranceArguments) -> Result<(), Failure> {
         return Err(Failure::Input("--at-least: must be a finite number".to_owned()));
     }
     let sampling = Sampling::new(&shared.scene, (varied, parts.as_deref()), correlations, *seed)?;
-    let of_parts = || sampling.keys.iter().map(|key| key.parts.len()).find(|parts| *parts > 0);
-    let samples = samples.or_else(of_parts).unwrap_or(SAMPLES);
-    if let Some(parts) = of_parts().filter(|parts| varied.is_empty() && samples > *parts) {
+    let samples = samples.or(sampling.parts()).unwrap_or(SAMPLES);
+    if let Some(parts) = sampling.parts().filter(|parts| varied.is_empty() && samples > *parts) {
         let reason = format!("must be at most {parts}, the number of parts, where nothing else varies");
         return Err(Failure::Input(format!("--samples {samples}: {reason}")));
     }
@@ -257,14 +256,12 @@ fn remarks(
              matters, and variance_share as far as the latter"
         )
     });
-    let parts = sampling.keys.iter().map(|key| key.parts.len()).find(|parts| *parts > 0);
-    let repeated = parts.filter(|parts| *parts < all).map(|parts| {
+    let repeated = sampling.parts().filter(|parts| *parts < all).map(|parts| {
         format!(
             "samples: {parts} parts are taken in turn; intervals are those of further samples of these parts"
         )
     });
-    let is_unsteady = |point: &&Point| point.text("steady_state").is_some_and(|verdict| verdict != STABLE);
-    let unsteady = points.iter().filter(is_unsteady).count();
+    let unsteady = points.iter().filter(|point| point.is_of_a_run()).count();
     let unsteady = (unsteady > 0).then(|| {
         format!(
             "steady state: {unsteady} of {} runs have no stable orbit, their numbers are of the run",

@@ -1,6 +1,6 @@
 //! Modes, steps and storage of the second paper: findings 18 to 20.
 
-use super::runs::{NEAR_RESONANCE, PAPER, each, each_of, scene, value};
+use super::runs::{NEAR_RESONANCE, OFF_RESONANCE, each, each_of, scene, value};
 use super::statistics::{largest, smallest, spread};
 use super::{Bound::*, Measured, check};
 use crate::figures::bump_stop::convergence::{self as figures, ConvergenceRun};
@@ -31,7 +31,7 @@ fn relative_spread(found: &[ConvergenceRun], of: fn(&ConvergenceRun) -> f64) -> 
 
 /// Findings 18 and 19.
 pub(super) fn measure() -> Result<Measured, Failure> {
-    let [tip, mid, _] = PAPER;
+    let [tip, mid, _] = OFF_RESONANCE;
     let [near_tip, ..] = NEAR_RESONANCE;
     let [step_s, finer @ ..] = STEPS_S;
     let of_modes = |name: &'static str| MODES.map(|modes| (name, modes, step_s));
@@ -79,7 +79,7 @@ pub(super) fn measure() -> Result<Measured, Failure> {
 /// Finding 20.
 pub(super) fn measure_storage() -> Result<Measured, Failure> {
     let charging = scene("bump-stop-below-resonance-charging", &[])?;
-    let stored = each_of(PAPER, |name| {
+    let stored = each_of(OFF_RESONANCE, |name| {
         let scene = Scene { load: charging.load, run: charging.run, ..scene(name, &[])? };
         let outcome = run_scene(&scene, &Options::default())?;
         let store =

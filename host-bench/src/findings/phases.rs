@@ -1,6 +1,6 @@
 //! Contact and open phases of the second paper: findings 1 to 13.
 
-use super::runs::{Changes, EVERY_S, History, NEAR_RESONANCE, PAPER, Sample, each_of, scene, stop};
+use super::runs::{Changes, EVERY_S, History, NEAR_RESONANCE, OFF_RESONANCE, Sample, each_of, scene, stop};
 use super::statistics::{correlation, largest, mean, median, root_mean_square, share_above, smallest};
 use super::{Bound::*, Measured, check};
 use crate::embedded::{ContactInterval, chattering_phases, contact_intervals};
@@ -131,10 +131,10 @@ fn phases_of(names: &[&str; 3], changes: Changes<'_>) -> Result<[Phases; 2], Fai
 
 /// Findings 1 to 13.
 pub(super) fn measure() -> Result<Measured, Failure> {
-    let paper = histories(PAPER, &[])?;
+    let paper = histories(OFF_RESONANCE, &[])?;
     // 110 periods after 110.
     let near = histories(NEAR_RESONANCE, &[("run.duration_s", "1.0")])?;
-    let light = phases_of(&PAPER, &[("parameters.damping_ratio", "0.001"), ("stop.gap_m", "5e-6")])?;
+    let light = phases_of(&OFF_RESONANCE, &[("parameters.damping_ratio", "0.001"), ("stop.gap_m", "5e-6")])?;
     let mut measured = chatter([&paper[0], &paper[1]], [&near[0], &near[1]], &light)?;
     measured.extend(voltages(&paper, &near));
     let scenes = paper.into_iter().chain(near).map(|history| history.scene).collect();
@@ -231,7 +231,8 @@ fn voltages([tip, mid, none]: &[History; 3], near: &[History; 3]) -> Measured {
 /// What no parameters tried reproduce: c and d.
 pub(super) fn measure_not_reproduced() -> Result<Measured, Failure> {
     let ([tip, mid, none], [wide_tip, wide_mid, wide_none]) = {
-        let (one, other) = rayon::join(|| histories(PAPER, &[("load.resistance_ohm", "1e6")]), wide_gap);
+        let (one, other) =
+            rayon::join(|| histories(OFF_RESONANCE, &[("load.resistance_ohm", "1e6")]), wide_gap);
         (one?, other?)
     };
     let open = |with: [&History; 2], none: &History| with.map(|with| Compared::new(with, none).open_ratio);
@@ -252,7 +253,7 @@ pub(super) fn measure_not_reproduced() -> Result<Measured, Failure> {
 
 /// The runs with a gap of 30 µm; the one without a stop has none.
 fn wide_gap() -> Result<[History; 3], Failure> {
-    let [tip, mid, none] = PAPER;
+    let [tip, mid, none] = OFF_RESONANCE;
     let (wide, unchanged): (Changes<'_>, Changes<'_>) = (&[("stop.gap_m", "30e-6")], &[]);
     each_of([(tip, wide), (mid, wide), (none, unchanged)], |(name, changes)| {
         History::of(scene(name, changes)?)

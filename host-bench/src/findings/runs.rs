@@ -9,7 +9,7 @@ use crate::run::run_scene;
 use crate::scene_file::{self, Override, Scene, StopParameters};
 
 /// The scenes of the second paper far below the resonance: the stop at the tip, at mid-span, and none.
-pub(super) const PAPER: [&str; 3] =
+pub(super) const OFF_RESONANCE: [&str; 3] =
     ["bump-stop-below-resonance", "bump-stop-below-resonance-mid-span", "bump-stop-below-resonance-none"];
 /// Those near the resonance, 220 Hz into 1 MΩ.
 pub(super) const NEAR_RESONANCE: [&str; 3] = ["bump-stop-tip", "bump-stop-mid-span", "bump-stop-none"];

@@ -1,7 +1,7 @@
 //! The deflected beam of the second paper: findings 14 to 17.
 
 use super::phases::Phases;
-use super::runs::{Changes, NEAR_RESONANCE, PAPER, bump_stop, each_of, run, scene, value};
+use super::runs::{Changes, NEAR_RESONANCE, OFF_RESONANCE, bump_stop, each_of, run, scene, value};
 use super::statistics::{largest, mean};
 use super::{Bound::*, Measured, check};
 use crate::embedded::{DeflectedShape, ShapePoint, bump_stop_parameters, deflected_shapes};
@@ -64,9 +64,9 @@ impl InContact {
 
 /// Findings 14, 15 and 17.
 pub(super) fn measure() -> Result<Measured, Failure> {
-    let [tip, mid] = with_stop(PAPER)?;
+    let [tip, mid] = with_stop(OFF_RESONANCE)?;
     let [near_tip, near_mid] = with_stop(NEAR_RESONANCE)?;
-    let (paper, near) = rayon::join(|| clamp_ratios(PAPER), || clamp_ratios(NEAR_RESONANCE));
+    let (paper, near) = rayon::join(|| clamp_ratios(OFF_RESONANCE), || clamp_ratios(NEAR_RESONANCE));
     Ok(vec![
         check("14", "tip stop: curvature at 3L/4 / at the clamp", [tip.outside / tip.clamp], Below(0.0)),
         check(
@@ -97,7 +97,7 @@ fn clamp_ratios(names: [&str; 3]) -> Result<[f64; 2], Failure> {
 
 /// Finding 16: the voltage of the open circuit is that of the charge by the slope of the tip, `ν y'(L)/C`.
 pub(super) fn measure_charge() -> Result<Measured, Failure> {
-    let [tip, mid, none] = each_of(PAPER, |name| {
+    let [tip, mid, none] = each_of(OFF_RESONANCE, |name| {
         let scene = scene(
             name,
             &[("load.resistance_ohm", "inf"), ("run.settle_s", "0"), ("run.duration_s", "0.05")],

@@ -13,7 +13,7 @@ use crate::command::{NODE, SceneArguments, StorageVoltage, check_keys, note, pri
 use crate::input::{self, MOST_OF_DATA};
 use crate::method::{Failure, Options};
 use crate::name::Name;
-use crate::outcome::{Fields, Outcome, fields, flattened, number, rows_csv};
+use crate::outcome::{Fields, Outcome, STABLE, fields, flattened, number, rows_csv};
 use crate::report::Picture;
 use crate::report::setting::{margin, setting};
 use crate::run::{run_scene, stopped_as_text, try_run_scene};
@@ -190,8 +190,7 @@ impl Points<'_> {
     pub(in crate::command) fn numbers(&self, index: usize) -> Result<Fields, Failure> {
         let values = (self.values)(index);
         let numbers = fields(&run_scene(&self.scene(&values)?, &self.arguments.options())?);
-        let day = self.day(&values)?;
-        Ok(flattened(numbers).into_iter().chain(day).collect())
+        Ok(flattened(numbers).into_iter().chain(self.day(&values)?).collect())
     }
 
     /// The numbers of the day of the node, if it is simulated.
@@ -221,13 +220,11 @@ impl Points<'_> {
             Ok(outcome) => compared(&scene, outcome, self.compare.then_some(options))?,
             Err(_) => None,
         };
-        let mut found = found.map(|outcome| fields(&outcome));
-        if let Ok(fields) = &mut found {
-            match stopped_as_text(self.day(&numbers))? {
-                Ok(day) => fields.extend(day),
-                Err(error) => found = Err(error),
-            }
-        }
+        let found = match found {
+            Ok(outcome) => stopped_as_text(self.day(&numbers))?
+                .map(|day| fields(&outcome).into_iter().chain(day).collect()),
+            Err(error) => Err(error),
+        };
         rows.map_or(Ok(()), |rows| rows.add(index, &found))?;
         Ok(Point { values, found, compared })
     }
@@ -275,6 +272,11 @@ impl Point {
     /// A text of its outcome.
     pub(in crate::command) fn text(&self, name: &str) -> Option<&str> {
         self.found.as_ref().ok()?.get(name)?.as_str()
+    }
+
+    /// Whether a steady state was sought and its numbers are of the run, for want of a stable orbit.
+    pub(in crate::command) fn is_of_a_run(&self) -> bool {
+        self.text("steady_state").is_some_and(|verdict| verdict != STABLE)
     }
 
     /// The warnings of its outcome.

@@ -112,12 +112,15 @@ impl Sampling {
             }
             (matrix[(row, column)], matrix[(column, row)]) = (*value, *value);
         }
-        let factor = matrix.cholesky().map(|found| found.unpack()).ok_or_else(|| {
-            Failure::Input(
-                "--correlate: must be possible together, their matrix is not positive definite".to_owned(),
-            )
-        })?;
+        let reason = "--correlate: must be possible together, their matrix is not positive definite";
+        let refused = || Failure::Input(reason.to_owned());
+        let factor = matrix.cholesky().map(|found| found.unpack()).ok_or_else(refused)?;
         Ok(Self { keys, factor, seed })
+    }
+
+    /// The number of measured parts, if there are any.
+    pub(super) fn parts(&self) -> Option<usize> {
+        self.keys.iter().map(|key| key.parts.len()).find(|parts| *parts > 0)
     }
 
     /// The values of the keys: number 0 is the scene, the others are the samples, each of its number and the seed alone. They
