@@ -127,8 +127,7 @@ pub(super) const BUDGET: u32 = 1 << 16;
 const MOST_ATTEMPTS: u64 = 10_000_000_000;
 
 /// Attempted steps, and radians of the motion that as many must pass: a storage of picofarads in `f32`, whose voltage is
-/// below the roundings of the harvester's, takes steps without end. A right run of a storage in `f32` takes at most 10,000
-/// attempts a radian.
+/// below the roundings of the harvester's, may take steps without end.
 const STUCK: (u64, f64) = (1 << 19, 8.0);
 
 /// The least length in s, and in distances of the ends of steps, of the first step where those are given.

@@ -43,14 +43,13 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     #[inline]
     pub(super) fn electrics(&self, mode: Mode<H::Mode>, state: &[S; STATES]) -> Electrics<S> {
         let (start, base) = (state[CHARGE], state[STORAGE]);
-        let fall_at = |voltage| self.per_farad * self.bridge.storage.outflow(voltage, mode.connected);
         if mode.regime == BridgeRegime::Blocked {
             return Electrics {
                 charge: start,
                 transferred: S::ZERO,
                 gained: S::ZERO,
                 storage_voltage: base,
-                fall: fall_at(base),
+                fall: self.fall(mode, base),
                 voltage_by_position: S::ZERO,
                 charge_by_voltage: S::ZERO,
                 share: S::ONE,
@@ -67,11 +66,17 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
             transferred,
             gained,
             storage_voltage,
-            fall: fall_at(storage_voltage),
+            fall: self.fall(mode, storage_voltage),
             voltage_by_position: terminal.by_position + terminal.by_both * transferred,
             charge_by_voltage,
             share: -terminal.by_charge * charge_by_voltage,
         }
+    }
+
+    /// [`Electrics::fall`] at a storage voltage in V.
+    #[inline]
+    pub(super) fn fall(&self, mode: Mode<H::Mode>, voltage: S) -> S {
+        self.per_farad * self.bridge.storage.outflow(voltage, mode.connected)
     }
 
     /// Derivative of [`Electrics::fall`] by the storage voltage, in 1/s.

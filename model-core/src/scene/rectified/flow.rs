@@ -223,15 +223,17 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
 
     const LINEAR: bool = R::LINEAR;
 
+    /// The storage voltage is linear in `B` at a place. It is not computed again at the end of the change: where the storage
+    /// is smaller than the harvester's capacitance, roundings of the terminal voltage would be larger than the defect.
     #[inline]
     fn circuit_defect(&self, start: &Point<S, STATES, POWERS>, displacement: S, change: S) -> S {
         let scene = self.scene;
         let mut state = start.state;
         state[POSITION] += displacement;
-        let before = scene.electrics(self.mode, &state);
-        state[STORAGE] += change;
-        let after = scene.electrics(self.mode, &state);
-        before.fall + scene.fall_by_voltage(self.mode, &before) * before.share * change - after.fall
+        let at = scene.electrics(self.mode, &state);
+        let rise = at.share * change;
+        let slope = scene.fall_by_voltage(self.mode, &at);
+        at.fall + slope * rise - scene.fall(self.mode, at.storage_voltage + rise)
     }
 
     /// That of the harvester.
