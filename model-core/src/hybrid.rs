@@ -22,6 +22,7 @@ use crate::integrate::{ErrorScale, Point, StepControl, System};
 use crate::observer::Outputs;
 use crate::scalar::Scalar;
 use crate::snapshot::{Snapshot, snapshot_fields};
+use attempt::MOST_GUARDS;
 
 pub use driver::{Driver, LEAST_BUDGET};
 pub use outcome::{Advance, Ended, StepError, StepFailure, Work};
@@ -134,6 +135,30 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
         _input: &InputAt<'_, E>,
     ) -> Guard<S> {
         Guard { value: S::ONE, rate: S::ZERO }
+    }
+
+    /// Calls `take` with the number of each guard of `mode`, in order, and with the guard. Override it if guards have a part
+    /// in common.
+    #[inline(always)]
+    fn each_guard<E: Excitation<S>>(
+        &self,
+        mode: Self::Mode,
+        armed: bool,
+        point: &Point<S, N, P>,
+        input: &InputAt<'_, E>,
+        mut take: impl FnMut(usize, Guard<S>),
+    ) {
+        let guards = self.guards(mode).min(MOST_GUARDS);
+        // Unrolled for two guards: their numbers are then constants.
+        if guards > 0 {
+            take(0, self.guard(mode, 0, armed, point, input));
+        }
+        if guards > 1 {
+            take(1, self.guard(mode, 1, armed, point, input));
+        }
+        for index in 2..guards {
+            take(index, self.guard(mode, index, armed, point, input));
+        }
     }
 
     /// Whether the guards of `mode`, unwatched since the jump into it, are watched from `point` on.

@@ -128,6 +128,12 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
         None
     }
 
+    /// Whether no state and no power changes: a step is then exact at any length.
+    #[inline]
+    fn is_constant(&self) -> bool {
+        false
+    }
+
     /// The time derivative along the flow of the force per mass besides the linear part, in m/s³.
     #[inline]
     fn force_rate(&self, _state: &[S; N], _derivative: &[S; N]) -> S {

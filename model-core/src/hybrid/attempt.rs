@@ -74,24 +74,21 @@ impl<'a, S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const
         self.automaton.guard(self.mode, index, self.armed, point, &input)
     }
 
+    /// Calls `take` with each guard at a point `ticks` into the step.
+    #[inline]
+    pub(super) fn each_guard(&self, point: &Point<S, N, P>, ticks: u32, take: impl FnMut(usize, Guard<S>)) {
+        let input = InputAt::new(self.excitation, self.clock.after(ticks));
+        self.automaton.each_guard(self.mode, self.armed, point, &input, take);
+    }
+
     /// A guard below zero at the end of a step.
     #[inline(always)]
     pub(super) fn fallen(&self, end: &Point<S, N, P>, ticks: u32) -> Option<usize> {
-        // Unrolled for two guards, without a closure: the numbers of the guards are then constants.
-        let guards = self.automaton.guards(self.mode).min(MOST_GUARDS);
-        if guards > 0 && self.is_below(0, end, ticks) {
-            return Some(0);
-        }
-        if guards > 1 && self.is_below(1, end, ticks) {
-            return Some(1);
-        }
-        (2..guards).find(|&index| self.is_below(index, end, ticks))
-    }
-
-    /// Whether a guard is below zero at a point `ticks` into the step.
-    #[inline(always)]
-    fn is_below(&self, index: usize, point: &Point<S, N, P>, ticks: u32) -> bool {
-        self.guard(index, point, ticks).value < S::ZERO
+        let mut fallen = None;
+        self.each_guard(end, ticks, |index, guard| {
+            fallen = fallen.or((guard.value < S::ZERO).then_some(index));
+        });
+        fallen
     }
 
     /// The guard that falls first in the step to `end`, among those without a bit in `done`, and the

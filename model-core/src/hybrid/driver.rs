@@ -185,8 +185,10 @@ impl<M, C> Driver<M, C> {
         M: Method<S>,
         C: StepControl<S>,
     {
-        let proposed = state.control.ticks;
         let flow = automaton.flow(state.mode);
+        // The guards of a constant state change with the excitation alone, which `limit` resolves.
+        let is_constant = M::PREDICTS && flow.is_constant();
+        let proposed = if is_constant { limit } else { state.control.ticks };
         let planned = proposed.min(limit);
         let attempts = Attempts {
             automaton,
@@ -209,7 +211,9 @@ impl<M, C> Driver<M, C> {
             Ok(None)
         };
         let most = state.control.stretched(planned).min(limit);
-        let mut search = Search::within(planned, most, scale.angular_frequency, attempts.after_jump);
+        let in_layer = attempts.after_jump && flow.boundary_layer(&state.point.state).is_some();
+        let mut search =
+            Search::within([planned, most], scale.angular_frequency, attempts.accuracy, in_layer);
         let (mut taken, mut control) = loop {
             let attempted = if M::PREDICTS {
                 attempts.attempt_to_event(&mut search)
@@ -222,7 +226,9 @@ impl<M, C> Driver<M, C> {
             work.iterations = work.iterations.saturating_add(trial.iterations);
             let mut control = state.control;
             let ticks = [search.ticks, longest_ticks];
-            if self.judge(&flow, &mut control, &state.point, &trial, ticks, scale) == Verdict::Reject {
+            if !is_constant
+                && self.judge(&flow, &mut control, &state.point, &trial, ticks, scale) == Verdict::Reject
+            {
                 work.rejected += 1;
                 if search.ticks < SHORTEST_TICKS {
                     return Err(StepFailure::StepVanished);

@@ -1,11 +1,11 @@
 //! A step of a method that predicts the motion: its event is located on the prediction, before the circuit is solved.
 
-use super::attempt::{Attempts, MOST_GUARDS};
-use super::search::{Fall, Next, Reached, Search};
+use super::attempt::Attempts;
+use super::search::{Fall, Next, Reached, Search, ticks_after};
 use super::{Automaton, Guard};
 use crate::clock::seconds_of_ticks;
 use crate::excitation::Excitation;
-use crate::integrate::{Method, NotConverged, Point, Trial};
+use crate::integrate::{Method, NotConverged, Point, System, Trial};
 use crate::scalar::{Scalar, add_increment};
 
 /// The least value of a guard along its cubic, relative to its values at both ends, below which the prediction is
@@ -57,9 +57,40 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             }
             Reached::Clear if search.event.is_none() => return false,
             Reached::Clear => {}
-            Reached::Near { missing, curved } => self.extend(trial, ticks, missing, curved),
+            Reached::Near { missing, curved } => {
+                let mut missing = self.first_within(search, index, missing, &{ trial.end });
+                self.extend(trial, ticks, missing, curved);
+                if curved && let Some(index) = search.event {
+                    // The tangent misses the event by the square of the time.
+                    let guard = self.guard(index, &trial.end, ticks_after(ticks, missing));
+                    let more = guard.value / -guard.rate;
+                    if guard.rate < S::ZERO && more.abs() < missing.abs() {
+                        self.extend(trial, ticks, more, false);
+                        missing += more;
+                    }
+                }
+                search.ticks = ticks_after(ticks, missing);
+            }
         }
         !search.predicted && self.turns(search, index, &{ trial.end })
+    }
+
+    /// The seconds from the end of an attempt to the first fall of a guard, at most `missing` to that of guard `index`. The
+    /// search ends at that guard.
+    ///
+    /// The order of events within the time that an attempt is extended over is that of their guards' tangents.
+    #[cold]
+    #[inline(never)]
+    fn first_within(&self, search: &mut Search<S>, index: usize, missing: S, end: &Point<S, N, P>) -> S {
+        let mut first = missing;
+        search.event = Some(index);
+        self.each_guard(end, search.ticks, |other, Guard { value, rate }| {
+            let missing = value / -rate;
+            if other != index && rate < S::ZERO && missing < first && search.is_near(missing) {
+                (first, search.event) = (missing, Some(other));
+            }
+        });
+        first
     }
 
     /// Whether the search for an event returns to another guard that has fallen in an attempt of `ticks`.
@@ -79,9 +110,9 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     fn continues(&self, search: &mut Search<S>, prediction: &M::Prediction) -> bool {
         let end = self.predicted_end(search.ticks, prediction);
         match search.event {
-            None => match self.expected_fall(search.ticks, &end, 0) {
+            None => match self.expected_fall([search.ticks, search.most], &end, 0) {
                 Some(fall) => search.approach(fall),
-                None => self.stretches(search, &end),
+                None => false,
             },
             // Copies: the end of every prediction would otherwise be written to memory.
             Some(index) => match search.advance(&self.guard(index, &end, search.ticks)) {
@@ -93,25 +124,6 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
                 }
             },
         }
-    }
-
-    /// Whether the step is stretched to a guard that falls soon after its end.
-    ///
-    /// A step that ended just before an event would be followed by a short one.
-    #[inline]
-    fn stretches(&self, search: &mut Search<S>, end: &Point<S, N, P>) -> bool {
-        if search.ticks >= search.most {
-            return false;
-        }
-        let margin = seconds_of_ticks::<S>(search.most - search.ticks);
-        for index in 0..self.automaton.guards(self.mode).min(MOST_GUARDS) {
-            let Guard { value, rate } = self.guard(index, end, search.ticks);
-            if value < -rate * margin {
-                search.stretch(index, value / -rate);
-                return true;
-            }
-        }
-        false
     }
 
     /// Whether the search turns to another guard that falls before the located one.
@@ -141,7 +153,7 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     #[cold]
     #[inline(never)]
     fn approaches(&self, search: &mut Search<S>, end: &Point<S, N, P>) -> bool {
-        match self.expected_fall(search.ticks, end, search.done) {
+        match self.expected_fall([search.ticks; 2], end, search.done) {
             Some(fall) => search.approach(fall),
             None => false,
         }
@@ -149,61 +161,48 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
 
     /// The guard that falls first in the step to `end` of those that are at or below zero there and were not due at the
     /// start, without a bit in `done`. A graze that is expected before it does not hide it.
-    fn certain_fall(&self, ticks: u32, end: &Point<S, N, P>, done: u32) -> Option<Fall<S>> {
-        let guards = 0..self.automaton.guards(self.mode).min(MOST_GUARDS);
-        let done = guards.fold(done, |done, index| {
-            let rises = self.guard(index, end, ticks).value > S::ZERO;
-            done | u32::from(rises || self.guard(index, self.start, 0).is_due()) << index
+    fn certain_fall(&self, ticks: u32, end: &Point<S, N, P>, done: u32) -> Option<Fall> {
+        let mut stay = done;
+        self.each_guard(end, ticks, |index, guard| {
+            let stays = guard.value > S::ZERO || self.guard(index, self.start, 0).is_due();
+            stay |= u32::from(stays) << index;
         });
-        self.expected_fall(ticks, end, done)
+        self.expected_fall([ticks; 2], end, stay)
     }
 
-    /// The guard that is expected to fall first in the step to `point`, among those without a bit in `done`.
+    /// The guard that is expected to fall first in the step of `ticks` to `point`, or soon after it within `most`, among
+    /// those without a bit in `done`.
     #[inline(always)]
-    fn expected_fall(&self, ticks: u32, point: &Point<S, N, P>, done: u32) -> Option<Fall<S>> {
-        // Unrolled for two guards, without a closure: the numbers of the guards are then constants, and the points need
-        // not be in memory.
-        let guards = self.automaton.guards(self.mode).min(MOST_GUARDS);
-        let mut first = None;
-        if guards > 0 {
-            first = self.earlier_fall(0, ticks, point, done, first);
-        }
-        if guards > 1 {
-            first = self.earlier_fall(1, ticks, point, done, first);
-        }
-        for index in 2..guards {
-            first = self.earlier_fall(index, ticks, point, done, first);
-        }
+    fn expected_fall(&self, [ticks, most]: [u32; 2], point: &Point<S, N, P>, done: u32) -> Option<Fall> {
+        let mut first: Option<Fall> = None;
+        self.each_guard(point, ticks, |index, end| {
+            if done & (1 << index) == 0
+                && let Some(ticks) = self.fall_of(index, &end, [ticks, most])
+                && first.is_none_or(|earliest| ticks < earliest.ticks)
+            {
+                first = Some(Fall { index, ticks, certain: !(end.value > S::ZERO) });
+            }
+        });
         first
     }
 
-    /// The earlier of `first` and the expected fall of guard `index`.
+    /// A guess of the ticks at which guard `index` falls in a step to `end`, or soon after it within `most`.
     #[inline(always)]
-    fn earlier_fall(
-        &self,
-        index: usize,
-        ticks: u32,
-        point: &Point<S, N, P>,
-        done: u32,
-        first: Option<Fall<S>>,
-    ) -> Option<Fall<S>> {
-        let end = self.guard(index, point, ticks);
-        if end.value > S::ZERO && !(end.rate > S::ZERO) || done & (1 << index) != 0 {
-            return first;
+    fn fall_of(&self, index: usize, end: &Guard<S>, [ticks, most]: [u32; 2]) -> Option<u32> {
+        if end.value > S::ZERO && !(end.rate > S::ZERO) {
+            // A step that ended just before an event would be followed by a short one.
+            let soon = end.value < -end.rate * seconds_of_ticks(most.saturating_sub(ticks));
+            return soon.then(|| ticks_after(ticks, end.value / -end.rate).min(most));
         }
         let (start, step) = (self.guard(index, self.start, 0), seconds_of_ticks(ticks));
         // A guard that rises at both ends can have a minimum, but not below zero if its cubic's third Bernstein coefficient is above.
         let least = S::from_f64(1.0 / 3.0) * step * end.rate.max(S::ZERO);
         if end.value > least && !(start.rate < S::ZERO) {
-            return first;
+            return None;
         }
         let margin = S::from_f64(NEAR_ZERO) * (start.value + end.value);
-        match start.until(&end, step).approximate_fall(margin) {
-            Some(theta) if first.is_none_or(|earliest| theta < earliest.theta) => {
-                Some(Fall { index, theta, certain: !(end.value > S::ZERO) })
-            }
-            _ => first,
-        }
+        let theta = start.until(end, step).approximate_fall(margin)?;
+        Some((theta * S::from_u32(ticks)).to_u32().max(1).min(ticks))
     }
 
     /// Extends a step of `ticks` by `missing` seconds, which may be negative: along its derivative at the end or, if
@@ -232,5 +231,6 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
             *energy += missing * (end.powers[i] + half * turn);
             end.powers[i] += missing * turn;
         }
+        self.automaton.flow(self.mode).correct_energies(&start.state, &end.state, &mut trial.energies);
     }
 }

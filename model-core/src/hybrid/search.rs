@@ -11,11 +11,11 @@ const MOST_CORRECTIONS: u32 = 8;
 const MOST_PREDICTIONS: u32 = 40;
 /// The expected fall of a guard.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Fall<S> {
+pub(super) struct Fall {
     /// The number of the guard.
     pub(super) index: usize,
-    /// A guess of the fraction of the step at which it falls.
-    pub(super) theta: S,
+    /// A guess of the time at which it falls, in ticks from the start of the step.
+    pub(super) ticks: u32,
     /// Whether the guard is at or below zero at the end of the step; if not, it may only graze.
     pub(super) certain: bool,
 }
@@ -69,13 +69,18 @@ pub(super) struct Search<S> {
     missing: S,
     /// In rad/s, of the motion.
     angular_frequency: S,
-    /// Whether the step begins with a jump.
-    after_jump: bool,
+    /// Whether the step begins in a boundary layer.
+    in_layer: bool,
+    /// The largest cube of a time, in radians and in steps, over which a parabola is exact.
+    cube: S,
 }
 
+/// Part of the accuracy of a step that the extension to an event may be off, at least a rounding.
+const EXTENSION_PART: f64 = 1e-5;
+
 impl<S: Scalar> Search<S> {
-    /// Of a step of `ticks`, or of at most `most` if an event follows.
-    pub(super) fn within(ticks: u32, most: u32, angular_frequency: S, after_jump: bool) -> Self {
+    /// Of a step of `ticks` to an accuracy, or of at most `most` ticks if an event follows.
+    pub(super) fn within([ticks, most]: [u32; 2], angular_frequency: S, accuracy: S, in_layer: bool) -> Self {
         Self {
             ticks,
             event: None,
@@ -90,12 +95,13 @@ impl<S: Scalar> Search<S> {
             corrections: MOST_CORRECTIONS,
             missing: S::INFINITY,
             angular_frequency,
-            after_jump,
+            in_layer,
+            cube: (S::from_f64(EXTENSION_PART) * accuracy).max(S::EPSILON),
         }
     }
 
     /// Whether [`Attempts::extend`] is exact to rounding over a time, or the time is below a tick.
-    fn is_near(&self, seconds: S) -> bool {
+    pub(super) fn is_near(&self, seconds: S) -> bool {
         // A bounce that is short against a radian must keep its own energy.
         let part = seconds / seconds_of_ticks(self.ticks);
         self.is_brief(seconds) && part * part <= S::EPSILON
@@ -109,29 +115,30 @@ impl<S: Scalar> Search<S> {
         radians * radians <= S::EPSILON
     }
 
-    /// Whether over a time a parabola is exact to rounding and a line is not.
+    /// Whether over a time a parabola is exact to a small part of the error of the step and a line is not.
     ///
     /// The step is then longer than the sixth root of a rounding in radians; the parabola of a much shorter one would be
-    /// that of its roundings. After a jump the derivative at the start can be that of a boundary layer.
+    /// that of its roundings. In a boundary layer the derivative at the start is not that of the step.
     fn is_curved(&self, seconds: S) -> bool {
         let part = (seconds / seconds_of_ticks(self.ticks)).abs();
         let radians = (seconds * self.angular_frequency).abs();
         let largest = part.max(radians);
-        !self.after_jump && !self.is_brief(seconds) && largest * largest * largest <= S::EPSILON
+        !self.in_layer && !self.is_brief(seconds) && largest * largest * largest <= self.cube
     }
 
-    /// Continues near an expected fall within the present step.
+    /// Continues near an expected fall within the present step or soon after it.
     #[cold]
-    pub(super) fn approach(&mut self, fall: Fall<S>) -> bool {
+    pub(super) fn approach(&mut self, fall: Fall) -> bool {
         self.event = Some(fall.index);
-        (self.short, self.far, self.falls) = (0, self.ticks, fall.certain);
+        let is_within = fall.ticks <= self.ticks;
+        (self.short, self.far) = if is_within { (0, self.ticks) } else { (self.ticks, self.most) };
         (self.left, self.of_prediction) = (MOST_PREDICTIONS, true);
-        self.ticks = (fall.theta * S::from_u32(self.ticks)).to_u32().max(1).min(self.ticks);
+        (self.ticks, self.falls) = (fall.ticks, fall.certain);
         true
     }
 
     /// Returns from guard `index` to another one that has fallen before it, within `ticks`; false if the step cannot be shorter.
-    pub(super) fn return_to(&mut self, fall: Fall<S>, index: usize, ticks: u32) -> bool {
+    pub(super) fn return_to(&mut self, fall: Fall, index: usize, ticks: u32) -> bool {
         self.ticks = ticks;
         if self.corrections == 0 {
             self.short = 0;
@@ -140,16 +147,6 @@ impl<S: Scalar> Search<S> {
         self.corrections -= 1;
         (self.done, self.missing) = (1 << index, S::INFINITY);
         self.approach(fall)
-    }
-
-    /// Continues beyond the end of the step, where a guard is expected to fall in `missing` seconds.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn stretch(&mut self, index: usize, missing: S) {
-        self.event = Some(index);
-        (self.short, self.far, self.falls) = (self.ticks, self.most, false);
-        self.of_prediction = true;
-        self.ticks = ticks_after(self.ticks, missing).min(self.most);
     }
 
     /// Takes the guard at the end of a prediction.
@@ -217,9 +214,7 @@ impl<S: Scalar> Search<S> {
         let stalls = missing.abs() > S::from_f64(0.5) * self.missing;
         self.missing = missing.abs();
         if is_falling && (self.is_near(missing) || stalls && self.is_brief(missing)) {
-            let curved = self.is_curved(missing);
-            (self.ticks, self.event) = (there, Some(index));
-            return Reached::Near { missing, curved };
+            return Reached::Near { missing, curved: self.is_curved(missing) };
         }
         let is_inside = is_falling && there > self.short && (there < self.far || !self.falls);
         // A guard that is a stair of its roundings leads out of the bracket: the event is at its known end.
@@ -248,7 +243,7 @@ impl<S: Scalar> Search<S> {
 
 /// `ticks` and `missing` seconds, which may be negative, in ticks; at least 1.
 #[inline(always)]
-fn ticks_after<S: Scalar>(ticks: u32, missing: S) -> u32 {
+pub(super) fn ticks_after<S: Scalar>(ticks: u32, missing: S) -> u32 {
     let moved = (missing.abs() / seconds_of_ticks(1) + S::from_f64(0.5)).to_u32();
     if missing < S::ZERO { ticks.saturating_sub(moved).max(1) } else { ticks.saturating_add(moved) }
 }

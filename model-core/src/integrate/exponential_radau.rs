@@ -241,6 +241,10 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         }
         let Attempt { start, ref input, ticks, .. } = *attempt;
         let step = seconds_of_ticks::<S>(ticks);
+        if system.is_constant() {
+            let energies = start.powers.map(|power| step * power);
+            return Ok(Trial { end: *start, energies, error: S::ZERO, energy_error: S::ZERO, iterations: 1 });
+        }
         let (mut change, mut force, mut error) = (Change::NONE, S::ZERO, S::ZERO);
         let mut doubt = [S::ZERO; N];
         let path = match prediction {

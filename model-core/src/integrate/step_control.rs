@@ -104,7 +104,7 @@ pub(crate) fn check_step<S: Scalar>(field: &'static str, seconds: S) -> Result<(
     Bounds { lowest: S::TINY, highest: S::from_f64(LONGEST_STEP_S) }.check(field, seconds)
 }
 
-/// Steps of one length.
+/// Steps of one length; [`ExponentialRadau`](super::ExponentialRadau) takes longer ones where no state changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FixedStep {
@@ -378,7 +378,7 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AnyStepControl<S> {
-    /// Steps of one length.
+    /// Steps of one length; [`ExponentialRadau`](super::ExponentialRadau) takes longer ones where no state changes.
     Fixed(FixedStep),
     /// Steps by error control.
     Adaptive(Adaptive<S>),

@@ -156,6 +156,12 @@ macro_rules! flow_items {
 
         const SPLIT: bool = true;
 
+        /// In a stick without a current.
+        #[inline]
+        fn is_constant(&self) -> bool {
+            self.is_stick() && !(self.circuit_rate > S::ZERO)
+        }
+
         #[inline]
         fn linear_energies(&self, change: S) -> [S; POWERS] {
             let scene = self.scene;

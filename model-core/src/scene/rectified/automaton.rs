@@ -68,14 +68,14 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         }
     }
 
-    /// The point of the harvester alone.
+    /// The point of the harvester alone, for a known circuit.
     #[inline]
     fn own_point<const POWERS: usize>(
         &self,
         mode: Mode<H::Mode>,
+        at: &Electrics<S>,
         point: &Point<S, STATES, POWERS>,
     ) -> Point<S, 3, 0> {
-        let at = self.electrics(mode, &point.state);
         let sign: S = mode.regime.sign();
         let velocity = point.state[VELOCITY];
         Point {
@@ -98,16 +98,15 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// A draw that empties the storage within a step leaves a voltage of the size of the step's error, of either sign. The
     /// threshold is that of an empty storage then: below zero it would let both directions conduct at once.
     #[inline]
-    fn begin_guard(&self, mode: Mode<H::Mode>, regime: BridgeRegime, state: &[S; STATES]) -> Guard<S> {
-        let sign: S = regime.sign();
-        let at = self.electrics(mode, state);
-        let terminal = self.harvester.port_voltage(mode.inner, state[POSITION], state[CHARGE]);
+    fn begin_guards(&self, at: &Electrics<S>, own: &Point<S, 3, 0>, mode: H::Mode) -> [Guard<S>; 2] {
+        let [position, velocity, charge] = own.state;
+        let terminal = self.harvester.port_voltage(mode, position, charge);
         let threshold = self.bridge.threshold(at.storage_voltage.max(S::ZERO));
         let margin = S::from_f64(THRESHOLD_ROUNDINGS) * S::EPSILON * (terminal.magnitude + threshold);
-        Guard {
+        [S::ONE, -S::ONE].map(|sign| Guard {
             value: threshold - sign * terminal.value + margin,
-            rate: -at.fall - sign * terminal.by_position * state[VELOCITY],
-        }
+            rate: -at.fall - sign * terminal.by_position * velocity,
+        })
     }
 
     /// The current through the bridge in the scale of [`Electrics::drive`], and its rate.
@@ -115,19 +114,18 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     fn end_guard<const POWERS: usize>(
         &self,
         mode: Mode<H::Mode>,
+        at: &Electrics<S>,
         point: &Point<S, STATES, POWERS>,
     ) -> Guard<S> {
         let sign: S = mode.regime.sign();
-        let (state, velocity) = (&point.state, point.state[VELOCITY]);
-        let at = self.electrics(mode, state);
-        let terminal = self.harvester.port_voltage(mode.inner, state[POSITION], at.charge);
+        let velocity = point.state[VELOCITY];
         let rectified = at.rectified(sign, velocity);
-        let slope_rate = terminal.curvature * velocity + terminal.by_both * sign * rectified;
+        let slope_rate = at.curvature * velocity + at.by_both * sign * rectified;
         let voltage_rate = slope_rate * velocity + at.voltage_by_position * point.derivative[VELOCITY];
         let store_rate = self.elastance * rectified - at.fall;
         Guard {
             value: at.drive(sign, velocity),
-            rate: sign * voltage_rate + self.fall_by_voltage(mode, &at) * store_rate,
+            rate: sign * voltage_rate + self.fall_by_voltage(mode, at) * store_rate,
         }
     }
 
@@ -136,12 +134,12 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     fn lockout_guard<const POWERS: usize>(
         &self,
         mode: Mode<H::Mode>,
+        at: &Electrics<S>,
         point: &Point<S, STATES, POWERS>,
     ) -> Guard<S> {
         let Some(lockout) = self.bridge.storage.lockout() else {
             return Guard { value: S::ONE, rate: S::ZERO };
         };
-        let at = self.electrics(mode, &point.state);
         let rise = self.elastance * at.rectified(mode.regime.sign(), point.state[VELOCITY]) - at.fall;
         // With the remainder: near the level the first difference is exact.
         let above = |level: S| (point.state[STORAGE] - level) + (point.remainder[STORAGE] + at.gained);
@@ -152,20 +150,34 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         }
     }
 
-    /// The jump to `mode` at a state of `mode.regime`; with `leaving` set, conduction ends.
+    /// Seconds to the end of conduction by its guard, and the rise of the voltage in V until then: the current is linear in the
+    /// time. With it the voltage does not reach the threshold again. After the end nothing remains: a conduction from a start
+    /// above the threshold may be against the motion, and ends at once.
+    #[inline]
+    fn remaining(&self, guard: &Guard<S>) -> [S; 2] {
+        if !(guard.rate < S::ZERO && guard.value > S::ZERO) {
+            return [S::INFINITY, S::ZERO];
+        }
+        let seconds = guard.value / -guard.rate;
+        [seconds, S::from_f64(0.5) * guard.value * seconds]
+    }
+
+    /// The jump to `mode` at a state of `mode.regime`; with a voltage that [remains](Self::remaining), conduction ends.
     #[inline]
     fn jump_to<const POWERS: usize>(
         &self,
         mode: Mode<H::Mode>,
-        leaving: bool,
+        leaving: Option<S>,
         mut state: [S; STATES],
         mut remainder: [S; STATES],
         acceleration: S,
     ) -> Jump<S, Mode<H::Mode>, STATES> {
         let mut mode = mode;
-        if leaving {
-            let Electrics { charge, gained, storage_voltage, .. } = self.electrics(mode, &state);
-            let mut transferred = charge - state[CHARGE];
+        if let Some(remaining) = leaving {
+            let at = self.electrics(mode, &state);
+            let rest = remaining * at.charge_by_voltage;
+            let (gained, storage_voltage) = (at.gained + rest * self.elastance, at.storage_voltage);
+            let mut transferred = at.transferred + mode.regime.sign::<S>() * rest;
             if storage_voltage < S::ZERO {
                 // Emptied to within the error of the step: conduction ends at no voltage, and at the threshold of that.
                 let terminal = self.harvester.port_voltage(mode.inner, state[POSITION], state[CHARGE]);
@@ -217,19 +229,49 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         point: &Point<S, STATES, POWERS>,
         input: &InputAt<'_, E>,
     ) -> Guard<S> {
+        let at = self.electrics(mode, &point.state);
+        let own_point = self.own_point(mode, &at, point);
         match self.guard_kind(mode, index) {
-            GuardKind::Harvester(index) => {
-                self.harvester.guard(mode.inner, index, armed, &self.own_point(mode, point), input)
+            GuardKind::Harvester(index) => self.harvester.guard(mode.inner, index, armed, &own_point, input),
+            GuardKind::Begin(regime) => {
+                let [forward, backward] = self.begin_guards(&at, &own_point, mode.inner);
+                if regime == BridgeRegime::Forward { forward } else { backward }
             }
-            GuardKind::Begin(regime) => self.begin_guard(mode, regime, &point.state),
-            GuardKind::End => self.end_guard(mode, point),
-            GuardKind::Lockout => self.lockout_guard(mode, point),
+            GuardKind::End => self.end_guard(mode, &at, point),
+            GuardKind::Lockout => self.lockout_guard(mode, &at, point),
+        }
+    }
+
+    /// The circuit is evaluated once.
+    #[inline]
+    fn each_guard<E: Excitation<S>>(
+        &self,
+        mode: Self::Mode,
+        armed: bool,
+        point: &Point<S, STATES, POWERS>,
+        input: &InputAt<'_, E>,
+        mut take: impl FnMut(usize, Guard<S>),
+    ) {
+        let at = self.electrics(mode, &point.state);
+        let own_point = self.own_point(mode, &at, point);
+        self.harvester.each_guard(mode.inner, armed, &own_point, input, &mut take);
+        let [own, bridge] = self.counts(mode);
+        if bridge == 1 {
+            take(own, self.end_guard(mode, &at, point));
+        } else if bridge == 2 {
+            let [forward, backward] = self.begin_guards(&at, &own_point, mode.inner);
+            take(own, forward);
+            take(own + 1, backward);
+        }
+        if R::SWITCHES && self.bridge.storage.lockout().is_some() {
+            take(own + bridge, self.lockout_guard(mode, &at, point));
         }
     }
 
     #[inline]
     fn rearms(&self, mode: Self::Mode, point: &Point<S, STATES, POWERS>) -> bool {
-        self.harvester.rearms(mode.inner, &self.own_point(mode, point))
+        let at = self.electrics(mode, &point.state);
+        self.harvester.rearms(mode.inner, &self.own_point(mode, &at, point))
     }
 
     fn jump<E: Excitation<S>>(
@@ -241,7 +283,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         step: S,
     ) -> Jump<S, Self::Mode, STATES> {
         let acceleration = input.acceleration();
-        let Point { state, remainder, .. } = *point;
+        let (Point { state, remainder, .. }, at) = (*point, self.electrics(mode, &point.state));
         let kind = self.guard_kind(mode, index);
         let GuardKind::Harvester(index) = kind else {
             let (regime, connected) = match kind {
@@ -250,19 +292,29 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
                 GuardKind::End | GuardKind::Harvester(_) => (mode.regime, mode.connected),
             };
             let mode = Mode { regime, connected, ..mode };
-            return self.jump_to::<POWERS>(mode, kind == GuardKind::End, state, remainder, acceleration);
+            let leaving =
+                (kind == GuardKind::End).then(|| self.remaining(&self.end_guard(mode, &at, point))[1]);
+            return self.jump_to::<POWERS>(mode, leaving, state, remainder, acceleration);
         };
-        let own = self.harvester.jump(mode.inner, index, &self.own_point(mode, point), input, step);
+        let own = self.harvester.jump(mode.inner, index, &self.own_point(mode, &at, point), input, step);
         let mode = Mode { inner: own.mode, ..mode };
         let state = [own.state[POSITION], own.state[VELOCITY], state[CHARGE], state[STORAGE]];
         let remainder =
             [own.remainder[POSITION], own.remainder[VELOCITY], remainder[CHARGE], remainder[STORAGE]];
         // An impact reverses the rate of the voltage with the velocity, and stick makes the rate zero.
-        let sign: S = mode.regime.sign();
-        let conducts = mode.regime != BridgeRegime::Blocked;
-        let leaving = conducts
-            && (self.harvester.charge_is_frozen(mode.inner)
-                || !(self.electrics(mode, &state).drive(sign, state[VELOCITY]) > S::ZERO));
+        let leaving = match mode.regime {
+            BridgeRegime::Blocked => None,
+            _ if self.harvester.charge_is_frozen(mode.inner) => Some(S::ZERO),
+            _ => {
+                let mut after = *point;
+                (after.state, after.derivative[VELOCITY]) = (state, own.derivative[VELOCITY]);
+                let guard = self.end_guard(mode, &self.electrics(mode, &state), &after);
+                let [seconds, remaining] = self.remaining(&guard);
+                let radians = seconds * self.harvester.error_scale().angular_frequency;
+                let ended = (!(guard.value > S::ZERO)).then_some(S::ZERO);
+                ended.or((radians * radians * radians <= S::EPSILON).then_some(remaining))
+            }
+        };
         let jump = self.jump_to::<POWERS>(mode, leaving, state, remainder, acceleration);
         Jump { loss: own.loss, armed: own.armed, ..jump }
     }
@@ -309,10 +361,10 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
     /// The stored energy is that of the harvester alone.
     #[inline]
     fn outputs<'a>(&self, mode: Self::Mode, point: &'a Point<S, STATES, POWERS>) -> Outputs<'a, S> {
-        let own = self.own_point(mode, point);
+        let at = self.electrics(mode, &point.state);
+        let own = self.own_point(mode, &at, point);
         let mut outputs = self.harvester.outputs(mode.inner, &own).with_state(&point.state);
-        let gained = self.electrics(mode, &point.state).gained;
-        let (voltage, remainder) = add_increment(point.state[STORAGE], point.remainder[STORAGE], gained);
+        let (voltage, remainder) = add_increment(point.state[STORAGE], point.remainder[STORAGE], at.gained);
         let threshold = self.bridge.threshold(voltage);
         if mode.regime != BridgeRegime::Blocked {
             outputs.voltage = mode.regime.sign::<S>() * threshold;

@@ -18,6 +18,9 @@ pub(super) struct Electrics<S> {
     pub(super) fall: S,
     /// `∂V/∂x` in V/m.
     pub(super) voltage_by_position: S,
+    /// `∂²V/∂x²` in V/m² and `∂²V/∂x∂Q` in V/m per charge unit; in conduction only.
+    pub(super) curvature: S,
+    pub(super) by_both: S,
     /// `1/(1/C_s − ∂V/∂Q)` in charge units per V in conduction, else 0.
     pub(super) charge_by_voltage: S,
     /// `dV_s/dB`: part of a change of `B` that remains after charge sharing with the harvester's capacitance.
@@ -51,6 +54,8 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
                 storage_voltage: base,
                 fall: self.fall(mode, base),
                 voltage_by_position: S::ZERO,
+                curvature: S::ZERO,
+                by_both: S::ZERO,
                 charge_by_voltage: S::ZERO,
                 share: S::ONE,
             };
@@ -61,13 +66,19 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         let transferred = (terminal.value - sign * self.bridge.threshold(base)) * charge_by_voltage;
         let gained = sign * transferred * self.elastance;
         let storage_voltage = base + gained;
+        let voltage_by_position = terminal.by_position + terminal.by_both * transferred;
+        // The curvature is that at the start times a function of the position, as the slope is.
+        let bend =
+            if terminal.by_position == S::ZERO { S::ZERO } else { terminal.curvature / terminal.by_position };
         Electrics {
             charge: start + transferred,
             transferred,
             gained,
             storage_voltage,
             fall: self.fall(mode, storage_voltage),
-            voltage_by_position: terminal.by_position + terminal.by_both * transferred,
+            voltage_by_position,
+            curvature: bend * voltage_by_position,
+            by_both: terminal.by_both,
             charge_by_voltage,
             share: -terminal.by_charge * charge_by_voltage,
         }
