@@ -18,13 +18,13 @@ use crate::scene_file::{Draw, Excitation, Load, Scene, Tone, Trace};
 
 /// Stated errors over differences: of the energies delivered, and of those in the parts of the window, which cancel by chance in
 /// the whole. Both are fitted to random scenes: docs/verification.md.
-const STATED: [f64; 2] = [3.0, 0.3];
+const STATED: [f64; 2] = [2.7, 0.27];
 /// Halvings of a tolerance to compare with. Half the tolerance may change no step.
-const TOLERANCE_HALVINGS: u32 = 3;
+const TOLERANCE_HALVINGS: u32 = 2;
 /// Least steps of a run to compare with over those of the run: in the same steps both have the same error.
 const MORE_STEPS: f64 = 1.3;
 /// Length of the steps of a run to compare with over the mean of the run, where another tolerance or step takes hardly more steps.
-const SHORTER: f64 = 0.6;
+const SHORTER: f64 = 2.0 / 3.0;
 /// Intervals of the smoother trace in one of the given trace.
 const FINER: usize = 4;
 /// Length of the window over which the sampling error is half as large, in windows.
@@ -100,7 +100,7 @@ fn window(outcome: &Outcome) -> Option<f64> {
 }
 
 /// A run in shorter steps, with its options; `None` if there is none that can be compared. Where a smaller tolerance or a shorter
-/// step takes hardly more steps, and where a circuit relaxes within a step, it is one in steps of at most 0.6 of the mean length.
+/// step takes hardly more steps, and where a circuit relaxes within a step, it is one in steps of at most two thirds of the mean length.
 fn finer(
     runs: &mut Runs<'_>,
     double: &Options,

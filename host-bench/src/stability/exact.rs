@@ -10,10 +10,10 @@ use crate::run::run_scene;
 use crate::scene_file::{Model, Scene};
 use crate::shift::{SHIFT, shifted};
 
-/// Halvings of the tolerance of a triboelectric run that give the tighter run.
-const TIGHTER: u32 = 5;
-/// Halvings of the steps of a bump-stop run that give the tighter run.
-const SHORTER: u32 = 2;
+/// Halvings of the tolerance of a triboelectric run, and of the steps of a bump-stop run, that give the tighter run.
+pub(super) const HALVINGS: [u32; 2] = [5, 2];
+/// The same of the runs whose mean is compared: their scatter is above their error by the step.
+pub(super) const HALVINGS_OF_MEAN: [u32; 2] = [3, 1];
 /// Attempted steps of the tighter run and steps of the reference over those of the run.
 const MORE_ATTEMPTS: u64 = 8;
 /// Tolerance of the reference: its errors are far below what is judged.
@@ -137,9 +137,9 @@ pub(super) fn by_reference(scene: &Scene, most_attempts: u64, tolerance: f64) ->
 
 /// A scene in double precision with a tighter tolerance, or shorter steps, than `options`; `None` if it does not come
 /// to its end.
-pub(super) fn tighter(scene: &Scene, options: &Options) -> Option<Numbers> {
+pub(super) fn tighter(scene: &Scene, options: &Options, halvings: [u32; 2]) -> Option<Numbers> {
     let is_bump_stop = matches!(scene.model, Model::BumpStop(_));
-    let more = if is_bump_stop { SHORTER } else { TIGHTER };
+    let more = halvings[usize::from(is_bump_stop)];
     let longest_s = if is_bump_stop { DEFAULT_SHORT_STEP_S } else { f64::INFINITY };
     let step_s = options.step_s.map(|step_s| step_s.min(longest_s));
     let options = Options {
@@ -183,12 +183,17 @@ pub(super) struct Ensemble(Vec<Numbers>);
 
 impl Ensemble {
     /// With `pairs` of runs besides that of the scene itself.
-    pub(super) fn of(scene: &Scene, options: &Options, pairs: i32) -> Self {
+    pub(super) fn of(scene: &Scene, options: &Options, pairs: i32, halvings: [u32; 2]) -> Self {
         let scene_at = |place: i32| shifted(scene, f64::from(place) * SHIFT);
         // The scene itself is the first.
         let places: Vec<i32> =
             std::iter::once(0).chain((1..=pairs).flat_map(|place| [place, -place])).collect();
-        Self(places.into_par_iter().filter_map(|place| tighter(&scene_at(place)?, options)).collect())
+        Self(
+            places
+                .into_par_iter()
+                .filter_map(|place| tighter(&scene_at(place)?, options, halvings))
+                .collect(),
+        )
     }
 
     /// The mean of a quantity; not-a-number without runs.
@@ -255,7 +260,7 @@ mod tests {
 
     fn ensemble(changes: &[&str]) -> Ensemble {
         let case = Case::of("contact-separation", changes, Precision::F64);
-        Ensemble::of(&case.read().expect("a scene"), &case.options(), 2)
+        Ensemble::of(&case.read().expect("a scene"), &case.options(), 2, HALVINGS)
     }
 
     #[test]

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Case;
 use super::exact::{
-    CLOSER_TOLERANCE, Comparison, Ensemble, Numbers, Quantity, REFERENCE_TOLERANCE, by_reference,
-    reference_repeats, relative, tighter,
+    CLOSER_TOLERANCE, Comparison, Ensemble, HALVINGS, HALVINGS_OF_MEAN, Numbers, Quantity,
+    REFERENCE_TOLERANCE, by_reference, reference_repeats, relative, tighter,
 };
 use super::twin::{POWER, rescaled, split_error};
 use crate::accuracy::run_with_steps;
@@ -272,14 +272,15 @@ impl Judge {
     }
 
     fn tighter(&self, scene: &Scene, options: &Options) -> Option<&Numbers> {
-        self.tighter.get_or_init(|| tighter(scene, options)).as_ref()
+        self.tighter.get_or_init(|| tighter(scene, options, HALVINGS)).as_ref()
     }
 
     fn ensemble(&self, scene: &Scene, options: &Options, is_chaotic: bool) -> &Ensemble {
         let kind = usize::from(is_chaotic);
         self.ensembles[kind].get_or_init(|| {
             // The mean alone is needed of the runs of the second.
-            Ensemble::of(scene, &Options { bare: is_chaotic, ..*options }, PAIRS[kind])
+            let halvings = [HALVINGS, HALVINGS_OF_MEAN][kind];
+            Ensemble::of(scene, &Options { bare: is_chaotic, ..*options }, PAIRS[kind], halvings)
         })
     }
 

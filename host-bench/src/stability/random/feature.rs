@@ -20,7 +20,7 @@ enum Feature {
     Burst,
     /// A start displaced from rest near the resonance of the passive scene, which has several steady motions.
     Attractors,
-    /// Impacts at ordinary amplitudes near the resonance.
+    /// Impacts at large amplitudes near the resonance: of the beam nine of ten are chaotic.
     Chaos,
 }
 
@@ -104,17 +104,26 @@ impl Drawing {
     fn with(mut self, feature: Feature) -> Case {
         let index = match feature {
             Feature::Attractors => 3,
-            Feature::Chaos => self.source.one_of([2, 2, 3]),
+            Feature::Chaos => {
+                if self.source.chance(0.9) {
+                    2
+                } else {
+                    3
+                }
+            }
             _ => self.source.one_of([0, 1, 2]),
         };
         let base = &BASES[index];
-        if self.source.chance(0.5) {
+        // A changed stop or beam may be refused.
+        if feature != Feature::Chaos && self.source.chance(0.5) {
             self.multiply(base.drawn, SPREAD);
         }
         self.featured_load(base, feature);
         let factor = self.source.uniform(0.85, 1.15);
         let frequency = base.natural_hz * factor;
-        let amplitude = self.source.logarithmic(base.amplitudes[0], base.amplitudes[1]);
+        let [low, high] = base.amplitudes;
+        let low = if feature == Feature::Chaos { (low * high).sqrt() } else { low };
+        let amplitude = self.source.logarithmic(low, high);
         let excitation = self.featured_excitation(feature, frequency, amplitude);
         self.set("excitation", excitation);
         if feature == Feature::Attractors {
