@@ -154,7 +154,7 @@ static EXPERIMENTS: [Experiment; 13] = [
     Experiment { numbers: &["c", "d"], measure: phases::measure_not_reproduced },
     Experiment { numbers: &["37", "38", "39"], measure: impacts::measure },
     Experiment { numbers: &["42"], measure: impacts::measure_parasitic },
-    Experiment { numbers: &["21", "22", "23", "24"], measure: resistance::measure_charge },
+    Experiment { numbers: &["21", "22", "23", "24"], measure: || resistance::measure_charge("0.36") },
     Experiment { numbers: &["25", "26"], measure: resistance::measure_small_charge },
     Experiment { numbers: &["27", "28", "29", "30", "a"], measure: resistance::measure_large_charge },
     Experiment { numbers: &["16"], measure: shapes::measure_charge },
@@ -170,33 +170,29 @@ pub fn measure(
     single_start: bool,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Vec<Row>, Failure> {
-    let wanted = wanted(only)?;
-    let is_wanted = |number: &str| wanted.iter().any(|finding| finding.number == number);
-    let experiments: Vec<&Experiment> = EXPERIMENTS
-        .iter()
-        .filter(|experiment| experiment.numbers.iter().any(|number| is_wanted(number)))
-        .collect();
-    let measured: Vec<Measured> = experiments
-        .par_iter()
-        .with_max_len(1)
-        .map(|experiment| {
-            let found = experiment.measured(single_start);
-            done(experiment.numbers.iter().filter(|number| is_wanted(number)).count());
-            found
-        })
-        .collect::<Result<_, _>>()?;
-    rows(wanted, measured.concat())
+    measure_of(&EXPERIMENTS, wanted(only)?, single_start, done)
 }
 
-/// The rows of these findings.
-fn rows(wanted: Vec<&'static Finding>, measured: Measured) -> Result<Vec<Row>, Failure> {
+fn measure_of(
+    all: &[Experiment],
+    wanted: Vec<&'static Finding>,
+    single_start: bool,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Vec<Row>, Failure> {
+    let is_wanted = |number: &&&str| wanted.iter().any(|finding| finding.number == **number);
+    let count = |experiment: &&Experiment| experiment.numbers.iter().filter(is_wanted).count();
+    let chosen = all.par_iter().with_max_len(1).filter(|experiment| count(experiment) > 0);
+    let measured = chosen.map(|experiment| {
+        let found = experiment.measured(single_start);
+        done(count(&experiment));
+        found
+    });
+    let measured = measured.collect::<Result<Vec<Measured>, _>>()?.concat();
     let row = |finding: &'static Finding| {
         let number = finding.number;
         let checks: Vec<Check> = measured.iter().filter(|check| check.number == number).cloned().collect();
-        if checks.is_empty() {
-            return Err(Failure::Step(format!("findings: finding {number} was not measured")));
-        }
-        Ok(Row { finding, checks })
+        let missing = || Failure::Step(format!("findings: finding {number} was not measured"));
+        if checks.is_empty() { Err(missing()) } else { Ok(Row { finding, checks }) }
     };
     wanted.into_iter().map(row).collect()
 }

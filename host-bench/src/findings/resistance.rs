@@ -80,10 +80,10 @@ fn last_over_first(values: &[f64]) -> f64 {
     value(values.last().zip(values.first()).map(|(last, first)| last / first))
 }
 
-/// Findings 21 to 24: more charge at 100 MΩ.
-pub(super) fn measure_charge() -> Result<Measured, Failure> {
+/// Findings 21 to 24: more charge at 100 MΩ, at an amplitude in g.
+pub(super) fn measure_charge(amplitude_g: &str) -> Result<Measured, Failure> {
     let peaks = each(&CHARGE_DENSITIES, |density| {
-        peak(&[(CHARGE_DENSITY, *density), (RESISTANCE, "1e8")], RANGE_HZ)
+        peak(&[(CHARGE_DENSITY, *density), (RESISTANCE, "1e8"), (AMPLITUDE, amplitude_g)], RANGE_HZ)
     })?;
     let away = each(&["0", "120e-6"], |density| {
         let changes = [(CHARGE_DENSITY, *density), (RESISTANCE, "1e8"), ("excitation.frequency_hz", "16.0")];

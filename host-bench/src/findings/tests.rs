@@ -43,26 +43,33 @@ fn the_mark_is_that_of_the_checks() {
     assert!(unknown.mark() == Mark::NotShown && !unknown.is_as_expected());
 }
 
+/// The slider without charge leaves its patches at an amplitude that is larger by a fifth.
 #[test]
-fn a_run_that_stops_marks_its_findings_and_the_others_go_on() {
-    let stops = || Err(Failure::Step("displacement = -0.02 is outside the model's domain".to_owned()));
-    let stopped = Experiment { numbers: &["8"], measure: stops }.measured(true).expect("no bad input");
-    let measured = [stopped, vec![check("9", "", [1.0], Bound::Reported)]].concat();
-    let wanted = wanted(&["8".to_owned(), "9".to_owned()]).expect("both are in the list");
-    let rows = rows(wanted, measured).expect("both are there");
-    assert_eq!(rows.iter().map(Row::mark).collect::<Vec<_>>(), [Mark::Stopped, Mark::Chosen]);
-    assert!(!rows[0].is_as_expected() && rows[0].checks[0].quantity.contains("domain"), "{:?}", rows[0]);
+fn a_run_that_reaches_the_edge_of_the_domain_marks_its_findings_and_the_others_go_on() {
+    let batch = [
+        Experiment { numbers: &["21", "22", "23", "24"], measure: || resistance::measure_charge("0.432") },
+        Experiment { numbers: &["16"], measure: shapes::measure_charge },
+    ];
+    let wanted = wanted(&["16".to_owned(), "21".to_owned()]).expect("both are in the list");
+    let rows = measure_of(&batch, wanted, true, &|_| ()).expect("no bad input");
+    assert_eq!(rows.iter().map(Row::mark).collect::<Vec<_>>(), [Mark::Shown, Mark::Stopped]);
+    let edge = &rows[1].checks[0].quantity;
+    assert!(!rows[1].is_as_expected() && edge.contains(" is outside the model's domain at 5."), "{edge}");
     let refused = || Err(Failure::Input("bad".to_owned()));
     assert!(Experiment { numbers: &["8"], measure: refused }.measured(true).is_err());
 }
 
 #[test]
 fn a_finding_without_a_measured_check_is_an_error() {
-    let of = |number| check(number, "", [1.0], Bound::Reported);
-    let wanted = || wanted(&["8".to_owned(), "9".to_owned()]).expect("both are in the list");
-    let found = rows(wanted(), vec![of("9"), of("8")]).expect("both are measured");
+    let both = || Ok(["9", "8"].map(|number| check(number, "", [1.0], Bound::Reported)).to_vec());
+    let one = || Ok(vec![check("8", "", [1.0], Bound::Reported)]);
+    let of = |measure| {
+        let wanted = wanted(&["8".to_owned(), "9".to_owned()]).expect("both are in the list");
+        measure_of(&[Experiment { numbers: &["8", "9"], measure }], wanted, true, &|_| ())
+    };
+    let found = of(both).expect("both are measured");
     assert_eq!(found.iter().map(|row| row.finding.number).collect::<Vec<_>>(), ["8", "9"]);
-    let failure = rows(wanted(), vec![of("8")]).expect_err("9 has no check");
+    let failure = of(one).expect_err("9 has no check");
     assert_eq!(failure.to_string(), "findings: finding 9 was not measured");
 }
 
