@@ -61,25 +61,21 @@
 //!
 //! # Missing samples
 //!
-//! Up to [`Settings::longest_gap`] successive lost samples are interpolated linearly between their neighbours
-//! when the next sample arrives. After a longer gap the state of the harvester is unknown: the time between
-//! the samples on either side counts as *unknown* and is not integrated, and the harvester restarts at rest
-//! with the first sample after the gap; a storage keeps its energy. A failed step of the model has the same
-//! consequence, and is reported as an error once.
+//! Up to [`Settings::longest_gap`] successive lost samples are interpolated linearly between their neighbours when the next
+//! sample arrives. After a longer gap the state of the harvester is unknown: the time between the samples on either side
+//! counts as *unknown* and is not integrated, and the harvester restarts at rest with the first sample after the gap; a
+//! storage keeps its energy. A failed step of the model has the same consequence, and is reported as an error once.
 //!
 //! A sample at the end of the sensor's range is replaced by that end, a lower bound. Intervals adjacent to a
 //! lost or a saturated sample count as *uncertain*, and so do those within [`Settings::settling_seconds`] of
 //! a start, the first one included. After a gap these are three decay times of the harvester at least.
 //!
-//! A reading that is not finite, or beyond 10⁶ m/s², is a lost sample.
-//!
 //! # Sampling
 //!
 //! The acceleration between samples is linear, which makes a sine weaker ([`Interpolation`]).
-//! [`Interpolation::DroopCompensated`] corrects that. Below four samples in a resonance period the
-//! uncertainty is unknown. [`Estimator::set_rate`] sets the measured rate of a sensor: with a tolerance of
-//! 5 % the power is known to a factor of some hundred;
-//! [`Settings::bias_seconds`] removes gravity and a slow bias; without it gravity counts as acceleration.
+//! [`Interpolation::DroopCompensated`] corrects that. Below four samples in a resonance period the uncertainty is unknown.
+//! [`Estimator::set_rate`] sets the measured rate of a sensor: with a tolerance of 5 % the power is known to a factor of some
+//! hundred; [`Settings::bias_seconds`] removes gravity and a slow bias; without it gravity counts as acceleration.
 //!
 //! [`Uncertainty`] states the contents and the accuracy of the uncertainty figures.
 
@@ -314,8 +310,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     /// Continues an unfinished sample, in at most `budget` attempted steps.
     ///
     /// # Errors
-    /// [`EstimatorError::Step`] and [`EstimatorError::Parameter`]: the state of the harvester is unknown
-    /// until the next sample.
+    /// As [`Estimator::push`].
     #[inline(never)]
     pub fn resume(&mut self, budget: u32) -> Result<Progress, EstimatorError<S>> {
         let mut work = Work::default();
@@ -369,7 +364,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
     pub fn clear(&mut self) {
         let state = &mut self.state;
         state.accumulator = EnergyAccumulator::default();
-        state.response.clear();
+        state.response.clear(state.settling > 0);
         (state.missing_samples, state.saturated_samples) = (0, 0);
         (state.uncertain_time, state.unknown_time) = Default::default();
     }
@@ -392,8 +387,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         Ok(())
     }
 
-    /// The state, to be saved in one image with the other states of a node
-    /// ([`snapshot::save_image`]).
+    /// The state, to be saved in one image with the other states of a node ([`snapshot::save_image`]).
     #[must_use]
     pub fn state(&self) -> &State<S, H::State> {
         &self.state

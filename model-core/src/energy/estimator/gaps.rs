@@ -84,7 +84,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         state.pending = true;
         let bend = (sample - old) - (old - older);
         let samples = [sample, sample - old];
-        state.response.add(velocity, samples, self.droop.samples_per_period(), &mut state.accumulator);
+        let in_period = (self.droop.samples, state.settling > 0);
+        state.response.add(velocity, samples, in_period, &mut state.accumulator);
         // The interval that is now known lies between the oldest sample and the middle one. The filter includes the
         // samples on either side.
         let mut touched = 0b110;
@@ -115,6 +116,8 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
                 stream.begin_with(sample);
             }
             state.add_unknown(1);
+            let seconds = |samples: u32| S::from_u32(samples) / state.stream.rate();
+            state.response.lose(seconds(state.missing.saturating_add(1)), seconds(self.droop.samples));
             settling = settling.max(S::from_f64(SETTLING_DECAYS) / self.harvester.decay_rate());
             Some(&state.harvester)
         };

@@ -59,7 +59,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         if !saturated {
             state.bias.track(sample, (seconds * state.stream.rate()).to_u32());
         }
-        sample - state.bias.mean()
+        sample - state.bias.mean
     }
 }
 

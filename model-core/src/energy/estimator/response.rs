@@ -27,15 +27,6 @@ const LEAST_PERIODS: u32 = 3;
 /// Roundings of the sum of squares below which the periods have equal velocities.
 const VARIANCE_ROUNDINGS: f64 = 64.0;
 
-/// Mean squares of the velocity and its differences, as frequencies: with `x` half the turn of a sampling interval.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Frequencies<S> {
-    /// Mean of `sin² x`, 0 to 1.
-    pub(super) sine_squares: S,
-    /// Mean of `sin⁴ x`, 0 to 1.
-    pub(super) sine_fourths: S,
-}
-
 /// Sums over the samples of one period, and over all periods.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Response<S> {
@@ -47,6 +38,8 @@ pub(super) struct Response<S> {
     samples: u32,
     /// Squares of the velocity, of its first and second differences, of the sample and of its difference in this period.
     period: [S; 5],
+    /// Energy in J of the last whole period.
+    last: S,
     periods: Periods<S>,
 }
 
@@ -65,16 +58,21 @@ struct Periods<S> {
     velocity_fourths: CompensatedSum<S>,
     /// Products of the energy and the squared velocities of a period.
     products: CompensatedSum<S>,
+    /// Energies in J of the periods in which the harvester settles.
+    settling: CompensatedSum<S>,
+    /// Powers in W before each restart, and their products with the time in s to the restart.
+    lost: [S; 2],
 }
 
 impl<S: Scalar> Response<S> {
-    /// Adds the velocity in m/s at the end of a sampling interval, and a sample with its difference in m/s².
+    /// Adds the velocity in m/s at the end of a sampling interval, and a sample with its difference in m/s², with the samples in a
+    /// period and whether the harvester settles.
     #[inline]
     pub(super) fn add(
         &mut self,
         velocity: S,
         [sample, rise]: [S; 2],
-        per_period: u32,
+        (per_period, settles): (u32, bool),
         accumulator: &mut EnergyAccumulator<S>,
     ) {
         let slope = velocity - self.velocity;
@@ -85,15 +83,15 @@ impl<S: Scalar> Response<S> {
         (self.velocity, self.slope) = (velocity, slope);
         self.samples = self.samples.saturating_add(1);
         if self.samples >= per_period {
-            self.end_period(accumulator);
+            self.end_period(settles, accumulator);
         }
     }
 
     #[inline(never)]
-    fn end_period(&mut self, accumulator: &mut EnergyAccumulator<S>) {
+    fn end_period(&mut self, settles: bool, accumulator: &mut EnergyAccumulator<S>) {
         let (energy, with_impact) = accumulator.take_period();
         let period = core::mem::take(&mut self.period);
-        self.samples = 0;
+        (self.samples, self.last) = (0, energy.abs());
         let Periods { count, squares, .. } = &mut self.periods;
         *count = count.saturating_add(1);
         for (sum, part) in squares.iter_mut().zip(period) {
@@ -106,11 +104,32 @@ impl<S: Scalar> Response<S> {
         periods.energy_squares.add(energy * energy);
         periods.velocity_fourths.add(square * square);
         periods.products.add(energy * square);
+        if settles {
+            periods.settling.add(self.last);
+        }
     }
 
-    /// The sums begin anew; the motion continues.
-    pub(super) fn clear(&mut self) {
-        *self = Self { velocity: self.velocity, slope: self.slope, ..Self::default() };
+    /// The harvester restarts at rest after an outage; both times in s.
+    pub(super) fn lose(&mut self, outage: S, period: S) {
+        let [power, energy] = &mut self.periods.lost;
+        *power += self.last / period;
+        *energy += self.last / period * outage;
+    }
+
+    /// Energy in J that was delivered while the harvester settled, and that which the motions before outages would deliver in
+    /// these and in free decay, at this rate of the amplitude, for this time in s at most.
+    pub(super) fn settling_and_lost(&self, decay_rate: S, seconds: S) -> [S; 2] {
+        let [power, energy] = self.periods.lost;
+        let decay = (S::from_f64(0.5) / decay_rate).min(seconds);
+        [self.periods.settling.value(), power * decay + energy]
+    }
+
+    /// The sums begin anew; the motion continues, and with it the decay of a lost one while the harvester settles.
+    pub(super) fn clear(&mut self, settles: bool) {
+        let [power, _] = self.periods.lost;
+        self.periods =
+            Periods { lost: [if settles { power } else { S::ZERO }, S::ZERO], ..Periods::default() };
+        *self = Self { samples: 0, period: [S::ZERO; 5], ..*self };
     }
 
     /// Whether a period has ended since the sums began.
@@ -118,13 +137,12 @@ impl<S: Scalar> Response<S> {
         self.periods.count > 0
     }
 
-    /// The frequencies in all whole periods; `None` without motion.
-    pub(super) fn frequencies(&self) -> Option<Frequencies<S>> {
+    /// The means of `sin² x` and `sin⁴ x` in all whole periods, 0 to 1, with `x` half the turn of a sampling interval; `None`
+    /// without motion.
+    pub(super) fn frequencies(&self) -> Option<[S; 2]> {
         let [squares, slopes, bends, ..] = self.periods.squares.each_ref().map(CompensatedSum::value);
-        (squares > S::ZERO).then(|| Frequencies {
-            sine_squares: (S::from_f64(0.25) * slopes / squares).min(S::ONE),
-            sine_fourths: (S::from_f64(0.0625) * bends / squares).min(S::ONE),
-        })
+        let parts = [S::from_f64(0.25) * slopes, S::from_f64(0.0625) * bends];
+        (squares > S::ZERO).then(|| parts.map(|part| (part / squares).min(S::ONE)))
     }
 
     /// The mean squares of velocity, sample and change of the sample in all whole periods of so many samples, in SI units;
@@ -165,22 +183,18 @@ impl<S: Scalar> Response<S> {
         both * ((deviations * count / (count - S::ONE)).sqrt() / sum.abs().max(S::TINY))
     }
 
-    /// The relative difference of the energies of two motions under one input that impacts have made independent of
-    /// one another: the scatter of the periods, of both motions, by the part of the time in which they are independent.
-    pub(super) fn irregularity(&self) -> S {
+    /// The relative difference of the energies of two motions under one input: the scatter of the periods, of both motions, by the
+    /// part of the time in which they are independent, with the coverage of two standard errors. Where that part is not known it
+    /// is the time after impacts, and the coverage one standard error.
+    pub(super) fn irregularity(&self, independent: Option<S>) -> S {
         let Periods { count, with_impact, .. } = self.periods;
         let affected = S::from_u32(with_impact) * S::from_f64(PERIODS_AFTER_IMPACT);
-        let share = (affected / S::from_u32(count.max(1))).min(S::ONE);
-        self.difference() * share
-    }
-
-    /// The same if the motions are independent in a part `share` of the time, with the coverage of two standard errors.
-    pub(super) fn irregularity_in(&self, share: S) -> S {
-        S::from_f64(STANDARD_ERRORS) * self.difference() * share
+        let after_impacts = (affected / S::from_u32(count.max(1))).min(S::ONE);
+        self.difference() * independent.map_or(after_impacts, |part| S::from_f64(STANDARD_ERRORS) * part)
     }
 }
 
-snapshot_fields!(impl [S: Scalar] Response<S> { velocity, slope, samples, period, periods });
+snapshot_fields!(impl [S: Scalar] Response<S> { velocity, slope, samples, period, last, periods });
 snapshot_fields!(impl [S: Scalar] Periods<S> {
-    count, with_impact, squares, energy, energy_squares, velocity_fourths, products,
+    count, with_impact, squares, energy, energy_squares, velocity_fourths, products, settling, lost,
 } if |periods| periods.with_impact <= periods.count);

@@ -68,10 +68,8 @@ impl<S: Scalar> SampleFormat<S> {
             Sample::Missing
         } else if acceleration.abs() < self.range {
             Sample::Good(acceleration)
-        } else if acceleration < S::ZERO {
-            Sample::Saturated(-self.range)
         } else {
-            Sample::Saturated(self.range)
+            Sample::Saturated(acceleration.max(-self.range).min(self.range))
         }
     }
 

@@ -13,7 +13,7 @@
 //!
 //! Besides, the error of the mean power by the sensor: the steps of its converter, the jitter and the rate of its clock.
 
-use super::response::{Frequencies, Response};
+use super::response::Response;
 use super::{Estimator, Settings};
 use crate::scalar::{Scalar, arcsine, horner};
 use crate::scene::Harvester;
@@ -50,7 +50,7 @@ pub(super) struct Droop<S> {
     /// `sin² x` at the resonance, at most that at the bound of `resolved`.
     sine_square: S,
     /// Samples in a period, at least 1.
-    samples: u32,
+    pub(super) samples: u32,
     /// Whether there are at least [`LEAST_SAMPLES_PER_PERIOD`].
     resolved: bool,
 }
@@ -72,12 +72,6 @@ impl<S: Scalar> Droop<S> {
         Self { coefficient, sine_square: gain * square, samples, resolved }
     }
 
-    /// Samples in a resonance period, at least 1.
-    #[inline]
-    pub(super) fn samples_per_period(&self) -> u32 {
-        self.samples
-    }
-
     /// The corrected sample, from the samples before and after it.
     #[inline]
     pub(super) fn compensate(&self, sample: S, bend: S) -> S {
@@ -96,8 +90,8 @@ pub(super) fn sampling_error<S: Scalar>(
     let figure = response.frequencies().map_or(S::ZERO, |frequencies| {
         let [linear, filtered] = COVERAGE.map(S::from_f64);
         let of_amplitude = match interpolation {
-            Interpolation::Linear => linear * weakened(frequencies.sine_squares),
-            Interpolation::DroopCompensated => filtered * residual(&frequencies, droop.sine_square),
+            Interpolation::Linear => linear * weakened(frequencies[0]),
+            Interpolation::DroopCompensated => filtered * residual(frequencies, droop.sine_square),
         };
         response.gain() * of_amplitude
     });
@@ -118,8 +112,7 @@ pub(super) fn weakened<S: Scalar>(sine_square: S) -> S {
 
 /// Largest mean residual of the filter, relative to the amplitude: `8/45 · |u (u_r − u)|` for a sine. For a spectrum,
 /// by the inequality of Cauchy and Schwarz, in which nothing cancels.
-fn residual<S: Scalar>(frequencies: &Frequencies<S>, resonance: S) -> S {
-    let Frequencies { sine_squares, sine_fourths } = *frequencies;
+fn residual<S: Scalar>([sine_squares, sine_fourths]: [S; 2], resonance: S) -> S {
     let off_resonance = sine_fourths - (resonance + resonance) * sine_squares + resonance * resonance;
     S::from_f64(RESIDUAL) * (sine_fourths * off_resonance.max(S::ZERO)).sqrt()
 }
@@ -147,10 +140,10 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         let decay = self.harvester.decay_rate().max(S::ONE / seconds.max(S::TINY));
         let of_rate = largest_change(self.state.rate_tolerance * self.harvester.angular_frequency() / decay);
         let (step_square, jitter_square) = (format.resolution * format.resolution, jitter * jitter);
-        let Some([velocity, sample, rise]) = response.mean_squares(self.droop.samples_per_period()) else {
+        let Some([velocity, sample, rise]) = response.mean_squares(self.droop.samples) else {
             return [S::ZERO, response.gain() * of_rate];
         };
-        let sine_squares = response.frequencies().map_or(S::ZERO, |found| found.sine_squares);
+        let sine_squares = response.frequencies().map_or(S::ZERO, |[sine_squares, _]| sine_squares);
         let of_signal = S::from_f64(OF_CUT) * (step_square / sample.max(S::TINY)).sqrt()
             + S::from_f64(OF_JITTER) * jitter_square * weakened(sine_squares);
         let variance = S::from_f64(1.0 / 12.0) * step_square + jitter_square * rise;
@@ -207,7 +200,7 @@ mod tests {
             let (mut response, mut accumulator) = (Response::default(), EnergyAccumulator::default());
             for n in 0..5000 {
                 accumulator.add(1e-6 * at(n).powi(2) as f32, 1);
-                response.add(at(n) as f32, [0.0; 2], droop.samples_per_period(), &mut accumulator);
+                response.add(at(n) as f32, [0.0; 2], (droop.samples, false), &mut accumulator);
             }
             let gain = response.gain();
             assert!((gain - 2.0).abs() < 1e-2, "{gain}");
@@ -230,7 +223,7 @@ mod tests {
             let x: f64 = PI / samples_per_period;
             let u = x.sin().powi(2);
             let exact = (gain(x) * (1.0 + 4.0 * droop.coefficient * u) - 1.0).abs();
-            let found = residual(&Frequencies { sine_squares: u, sine_fourths: u * u }, droop.sine_square);
+            let found = residual([u, u * u], droop.sine_square);
             assert!((found / exact - 1.0).abs() < 0.1, "{samples_per_period}: {found} {exact}");
         }
     }
@@ -244,10 +237,10 @@ mod tests {
             let velocity = amplitude * (2.0 * PI / 20.0 * f64::from(n)).sin();
             // The fourth power of the amplitude.
             accumulator.add(amplitude.powi(2) * velocity.powi(2), 1);
-            response.add(velocity, [0.0; 2], droop.samples_per_period(), &mut accumulator);
+            response.add(velocity, [0.0; 2], (droop.samples, false), &mut accumulator);
         }
         assert!((response.gain() - 4.0).abs() < 0.1, "{}", response.gain());
-        assert_eq!(response.irregularity(), 0.0);
+        assert_eq!(response.irregularity(None), 0.0);
         // Unknown before three periods, and the least of all motions without motion.
         assert_eq!(Response::<f32>::default().gain(), 20.0);
     }
@@ -264,10 +257,10 @@ mod tests {
                 assert_eq!(error(&response, 0.0), Some(0.0));
                 for n in 1..=20 {
                     assert_eq!(error(&response, f64::from(n)), None, "{n}");
-                    response.add(velocity, [0.0; 2], droop.samples_per_period(), &mut accumulator);
+                    response.add(velocity, [0.0; 2], (droop.samples, false), &mut accumulator);
                 }
                 assert_eq!(error(&response, 20.0).map(|error| error == 0.0), Some(rests));
-                response.clear();
+                response.clear(false);
                 assert_eq!((error(&response, 0.0), error(&response, 1.0)), (Some(0.0), None));
             }
         }

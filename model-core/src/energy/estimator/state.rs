@@ -51,8 +51,7 @@ impl<S: Scalar> Queue<S> {
     }
 }
 
-/// The state of an [`Estimator`]; it can be copied, compared, saved and restored. `T` is the state of
-/// its harvester.
+/// The state of an [`Estimator`]; it can be copied, compared, saved and restored. `T` is the state of its harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<S, T> {
     pub(super) stream: Stream<S>,
@@ -145,7 +144,7 @@ impl<S: Scalar, H: Harvester<S>> Configuration for Estimator<S, H> {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Bias<S> {
     /// The mean in m/s², and its rounding remainder: a sample changes the mean of a long time by less than a rounding.
-    mean: S,
+    pub(super) mean: S,
     remainder: S,
     /// Number of samples in the mean, at most that of the time constant.
     samples: u32,
@@ -157,11 +156,6 @@ impl<S: Scalar> Bias<S> {
         self.samples = self.samples.saturating_add(1).min(longest.max(1));
         let increment = (sample - self.mean) / S::from_u32(self.samples);
         (self.mean, self.remainder) = add_increment(self.mean, self.remainder, increment);
-    }
-
-    /// The mean in m/s².
-    pub(super) fn mean(&self) -> S {
-        self.mean
     }
 }
 

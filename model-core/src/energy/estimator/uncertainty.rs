@@ -29,17 +29,19 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         let rounding = state.accumulator.rounding();
         let sampling = sampling_error(&state.response, &self.droop, interpolation, seconds);
         let [noise, rate] = self.sensor_errors(seconds);
-        let irregularity = match checked {
-            Some(checked) => state.response.irregularity_in(checked.irregular),
-            None => state.response.irregularity(),
-        };
+        let irregularity = state.response.irregularity(checked.map(|checked| checked.irregular));
         let [uncertain_seconds, unknown_seconds]: [S; 2] =
             [state.uncertain_time.seconds(), state.unknown_time.seconds()];
-        let unsure = uncertain_seconds + unknown_seconds;
-        let of_time = unsure / (seconds - S::from_f64(0.5) * uncertain_seconds).max(S::TINY);
+        let least = energy.abs().max(S::TINY);
+        let certain = (seconds - S::from_f64(0.5) * uncertain_seconds).max(S::TINY);
+        let energies = state.response.settling_and_lost(self.harvester.decay_rate(), uncertain_seconds);
+        let [settling, lost] = energies.map(|energy| energy / least);
+        // The amplitudes of the motion from rest and of the lost one add: (√settling + √lost)² in place of the first.
+        let more = lost + S::from_f64(2.0) * (settling * lost).sqrt();
+        let of_time = unknown_seconds / certain + (uncertain_seconds / certain).max(settling).max(more);
         let relative = step
             .zip(sampling)
-            .map(|(step, sampling)| (step + rounding) / energy.abs().max(S::TINY) + sampling)
+            .map(|(step, sampling)| (step + rounding) / least + sampling)
             .map(|error| error + noise + rate + irregularity + of_time)
             .filter(|relative| relative.is_finite());
         Estimate {
@@ -47,7 +49,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
             mean_power: if seconds > S::ZERO { energy / seconds } else { S::ZERO },
             seconds,
             storage: self.harvester.outputs(&state.harvester).storage,
-            bias: bias_seconds.map(|_| state.bias.mean()),
+            bias: bias_seconds.map(|_| state.bias.mean),
             uncertainty: Uncertainty {
                 step,
                 rounding,
@@ -104,10 +106,9 @@ pub struct Estimate<S> {
 ///
 /// # Rounding
 ///
-/// 74 roundings of the energy: those of the energy of a step; those of the compensated sum, whose error does
-/// not grow with the number of steps; and one rounding of the state per radian over 20 radians (a state is a
-/// pair of numbers, so its rounding does not grow with the steps either). The largest difference between
-/// `f32` and `f64` with the same steps was 30 roundings.
+/// 74 roundings of the energy: those of the energy of a step; those of the compensated sum, whose error does not grow with the
+/// number of steps; and one rounding of the state per radian over 20 radians (a state is a pair of numbers, so its rounding
+/// does not grow with the steps either). The largest difference between `f32` and `f64` with the same steps was 30 roundings.
 ///
 /// # Sampling
 ///
@@ -165,9 +166,11 @@ pub struct Uncertainty<S> {
     /// Error of the mean power by the tolerance of the rate, relative.
     pub rate: S,
     /// Total relative uncertainty: the errors by step and rounding over the energy, those by sampling, irregularity, noise
-    /// and rate, and the uncertain and unknown time: in uncertain time the power is from 0 to one and a half times that of
-    /// the other time, and the estimate half of it, as that of a motion that rises from rest; in unknown time it is from 0 to that
-    /// of the other time. Above 1 the energy may be any up to that multiple.
+    /// and rate, and the uncertain and unknown time. In uncertain time the power is from 0 to one and a half times that of the
+    /// other time, and the estimate half of it, as that of a motion that rises from rest; or to that of the estimate and the lost
+    /// motion, whose amplitudes add, if that is more. A lost motion has the power of the last period before the outage in it, and
+    /// decays freely after it. In unknown time the power is from 0 to that of the other time. Above 1 the energy may be any up to
+    /// that multiple.
     /// `None` where [`Uncertainty::step`] or [`Uncertainty::sampling`] is unknown, or the sum is not finite.
     pub relative: Option<S>,
 }

@@ -249,31 +249,35 @@ fn runs(seed: u64, count: u32, flaws: &[Flaw]) -> Vec<Run> {
     (0..count).flat_map(of).collect()
 }
 
-/// Prints a row for each flaw, with the part inside by harvester; gives the parts inside and without a statement, and the median
-/// statement in percent.
-fn table(runs: &[Run], flaws: &[Flaw]) -> Vec<(f64, f64, f64)> {
+/// Prints a row for each flaw, with the parts inside and unknown of all runs and by harvester, where an unknown statement is
+/// outside; gives the parts of all, the least part inside of a harvester, and the median statement in percent.
+fn table(runs: &[Run], flaws: &[Flaw]) -> Vec<([f64; 3], f64)> {
     const HARVESTERS: [&str; 4] = ["contact, weak", "contact, strong", "sliding", "bump-stop"];
-    println!("| flaw | runs | error | stated | unknown | inside | {} |", HARVESTERS.join(" | "));
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    println!("| flaw | runs | error | stated | inside, unknown | {} |", HARVESTERS.join(" | "));
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let row = |&flaw: &Flaw| {
         let of = |name: &str| -> Vec<&Run> {
             runs.iter().filter(|run| run.flaw == flaw && run.harvester.contains(name)).collect()
         };
-        let inside = |rows: &[&Run]| {
-            let inside = rows.iter().filter(|run| run.stated.is_some_and(|stated| run.error <= stated));
-            inside.count() as f64 / rows.len() as f64
+        let part = |rows: &[&Run], is: fn(&Run) -> bool| {
+            rows.iter().filter(|run| is(run)).count() as f64 / rows.len() as f64
         };
+        let parts = |rows: &[&Run]| {
+            let inside = part(rows, |run| run.stated.is_some_and(|stated| run.error <= stated));
+            [inside, part(rows, |run| run.stated.is_none())]
+        };
+        let shown = |[inside, unknown]: [f64; 2]| format!("{:.1}, {:.1} %", 100.0 * inside, 100.0 * unknown);
         let rows = of("");
         let median = |of: fn(&Run) -> f64| 100.0 * quantile(rows.iter().map(|run| of(run)).collect(), 0.5);
         let (error, stated) = (median(|run| run.error), median(|run| run.stated.unwrap_or(f64::INFINITY)));
-        let unknown = rows.iter().filter(|run| run.stated.is_none()).count() as f64 / rows.len() as f64;
-        let all = inside(&rows);
-        let parts = HARVESTERS.map(|name| format!("{:.0} %", 100.0 * inside(&of(name)))).join(" | ");
-        let (count, [unknown_part, part]) = (rows.len(), [unknown, all].map(|part| 100.0 * part));
-        println!(
-            "| {flaw:?} | {count} | {error:.2} % | {stated:.1} % | {unknown_part:.1} % | {part:.1} % | {parts} |"
-        );
-        (all, unknown, stated)
+        let (all, count) = (parts(&rows), rows.len());
+        let cells = HARVESTERS.map(|name| parts(&of(name)));
+        let [of_all, of_cells] =
+            [vec![all], cells.to_vec()].map(|all| all.into_iter().map(shown).collect::<Vec<_>>());
+        let (of_all, of_cells) = (of_all.join(""), of_cells.join(" | "));
+        println!("| {flaw:?} | {count} | {error:.2} % | {stated:.1} % | {of_all} | {of_cells} |");
+        let least = cells.iter().fold(1.0_f64, |least, [inside, _]| least.min(*inside));
+        ([all[0], all[1], least], stated)
     };
     flaws.iter().map(row).collect()
 }
@@ -288,7 +292,7 @@ fn the_error_by_a_few_flawed_samples_is_stated() {
         Flaw::Rate(0.05),
         Flaw::Lost(0.0),
     ];
-    for (flaw, (inside, unknown, stated)) in flaws.iter().zip(table(&runs(TESTED, 28, &flaws), &flaws)) {
+    for (flaw, ([inside, unknown, _], stated)) in flaws.iter().zip(table(&runs(TESTED, 28, &flaws), &flaws)) {
         assert!(inside >= 0.85 && unknown <= 0.2, "{flaw:?}: {inside} {unknown}");
         // A rate that is 5 % off may miss a resonance altogether, and nothing bounds that.
         assert!(stated <= 100.0 || matches!(flaw, Flaw::Rate(_)), "{flaw:?}: {stated} %");
@@ -296,12 +300,14 @@ fn the_error_by_a_few_flawed_samples_is_stated() {
 }
 
 #[test]
-#[ignore = "a minute"]
+#[ignore = "four minutes"]
 fn the_error_by_flawed_samples_is_stated_in_95_of_100_inputs() {
-    for seed in [FITTED, TESTED] {
+    for (seed, count) in [(FITTED, 192), (TESTED, 1152)] {
         println!("\nseed {seed}");
-        for (inside, unknown, _) in table(&runs(seed, 192, &FLAWS), &FLAWS) {
-            assert!(inside >= 0.95 && unknown <= 0.2, "seed {seed}: {inside} {unknown}");
+        for ([inside, unknown, least], _) in table(&runs(seed, count, &FLAWS), &FLAWS) {
+            let of_harvester = if seed == TESTED { 0.95 } else { 0.85 };
+            let holds = inside >= 0.95 && unknown <= 0.2 && least >= of_harvester;
+            assert!(holds, "seed {seed}: {inside} {unknown} {least}");
         }
     }
 }

@@ -6,8 +6,8 @@ use model_core::energy::{Estimate, Estimator};
 use model_core::integrate::{Adaptive, FixedStep, StepControl, TrBdf2};
 use model_core::part::GRAVITY;
 use model_core::scalar::Scalar;
-use model_core::scene::Scene;
 use model_core::scene::bump_stop::AnyContact;
+use model_core::scene::{Harvester, Scene};
 
 /// One run from rest: the energy in joules, and the figures for its error by step and by rounding.
 fn measured<S: Scalar, A: Scene<S, 3, 1>, C: StepControl<S>>(
@@ -102,4 +102,30 @@ fn the_figure_for_rounding_covers_single_precision_in_regular_motion() {
     let of_single = bump::<f32, 4, 1>(AnyContact::ResidualFlexibility);
     let rounded = follow(&mut Estimator::new(of_single, settings(3200.0)).expect("valid"), &single);
     covers(exact.energy, rounded.energy.into(), rounded.uncertainty.rounding.into());
+}
+
+/// A motion that decays freely after an outage, while the harvester of the estimator rests.
+#[test]
+fn the_energy_that_a_motion_would_deliver_after_an_outage_is_stated() {
+    let rate = 400.0;
+    let mut parameters = contact_parameters::<f64>();
+    // 20 Hz below contact: a linear resonator of the decay rate 0.5 /s.
+    (parameters.initial_gap, parameters.damping_ratio) = (2e-2, 4e-3);
+    let harvester =
+        hybrid(parameters.build().expect("in bounds"), TrBdf2, Adaptive::new(1e-3).expect("in bounds"));
+    let mut samples = vec![0.0; 1200];
+    samples.extend(sine_samples::<f64>(1.0, harvester.resonance_frequency(), rate, 200));
+    for after in [200, 400, 1600] {
+        let [mut whole, mut gappy] =
+            [(); 2].map(|()| Estimator::new(harvester, settings(rate)).expect("valid"));
+        let silence = vec![0.0; after];
+        follow(&mut gappy, &samples);
+        assert!(gappy.push_missing(60, u32::MAX).expect("runs").finished);
+        let found = follow(&mut gappy, &silence);
+        follow(&mut whole, &samples);
+        let exact = follow(&mut whole, &[silence, vec![0.0; 60]].concat()).energy;
+        let (error, stated) = (exact / found.energy - 1.0, found.uncertainty.relative.expect("known"));
+        println!("{after} samples after: error {error:.3}, stated {stated:.3}");
+        assert!(error > 0.5 && (error..4.0 * error).contains(&stated), "{error} {stated}");
+    }
 }
