@@ -100,7 +100,7 @@ pub mod simulate {
     pub use crate::integrate::{Adaptive, ExponentialRadau, FixedStep, TrBdf2};
     pub use crate::part::draw::NoDraw;
     pub use crate::part::load::{OpenCircuit, Resistor};
-    pub use crate::part::monomorph::Layer;
+    pub use crate::part::monomorph::{Bimorph, Layer};
     pub use crate::part::restitution::ConstantRestitution;
     pub use crate::part::storage::{Capacitor, StorageCapacitor};
     pub use crate::scene::rectified::{FullBridge, Rectified};

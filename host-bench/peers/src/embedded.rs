@@ -142,7 +142,10 @@ impl Run<'_> {
                 piezo_d31: any.piezo_d31,
                 piezo_permittivity: any.piezo_permittivity,
                 damping_ratio: any.damping_ratio,
-                choices: bump_stop::Choices::behind(bridge).stop(stop).tip_mass(any.choices.tip_mass),
+                choices: bump_stop::Choices::behind(bridge)
+                    .stop(stop)
+                    .tip_mass(any.choices.tip_mass)
+                    .transducer(any.choices.transducer),
             };
             let core = parameters.build::<4, 1>().map_err(refused)?;
             self.measured(&Stepper::new(core, short, LONG_STEP * short).map_err(refused)?)

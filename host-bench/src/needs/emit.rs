@@ -12,7 +12,9 @@ use super::numerics::{Control, Setting};
 use super::part::Part;
 use crate::method::{Failure, Method, Precision};
 use crate::name::Name;
-use crate::scene_file::{BumpStop, ContactSeparation, Coupling, Load, Model, Scene, Sliding, StickCharge};
+use crate::scene_file::{
+    BumpStop, ContactSeparation, Coupling, Load, Model, Scene, Sliding, StickCharge, Transducer,
+};
 use model_core::clock::Instant;
 
 /// Modules of the library with the names that a scene may use.
@@ -23,7 +25,7 @@ const MODULES: [(&str, &[&str]); 14] = [
     ("part::force_law", &["GapField", "NoForce", "TransferredCharge"]),
     ("part::friction", &["Frictionless", "PatchFriction"]),
     ("part::load", &["OpenCircuit", "Resistor", "ShortCircuit"]),
-    ("part::monomorph", &["Layer"]),
+    ("part::monomorph", &["Bimorph", "Layer", "Monomorph"]),
     ("part::parasitic", &["NoParasitic", "ParasiticCapacitance"]),
     ("part::rectifier", &["FullBridge"]),
     ("part::restitution", &["ConstantRestitution", "VelocityDependentRestitution"]),
@@ -299,10 +301,15 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
         };
         let stop = model.stop.as_ref().map_or_else(|| unit("NoStop"), stop);
         let tip_mass = from.tip_mass.map_or_else(|| unit("NoTipMass"), |body| tip_mass(&body));
-        let choices_type = format!(
-            "Choices<{}, {}, {}, {}>",
-            circuit.of_type, stop.of_type, coupling.of_type, tip_mass.of_type
-        );
+        let choices = [
+            ("load", circuit),
+            ("stop", stop),
+            ("coupling", coupling),
+            ("tip_mass", tip_mass),
+            ("transducer", transducer(from.transducer)),
+        ];
+        let choice_types = choices.each_ref().map(|(_, choice)| choice.of_type.as_str());
+        let choices_type = format!("Choices<{}>", choice_types.join(", "));
         let [beam, rod] = model.modes();
         let (short, long) = match self.setting.control {
             Control::ShortAndLong([short, long]) => (short, long),
@@ -314,12 +321,7 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
             from.substrate_density_kg_per_m3,
         );
         let piezo = layer(from.piezo_thickness_m, from.piezo_young_modulus_pa, from.piezo_density_kg_per_m3);
-        let choices = choices_value(&[
-            ("load", circuit),
-            ("stop", stop),
-            ("coupling", coupling),
-            ("tip_mass", tip_mass),
-        ]);
+        let choices = choices_value(&choices);
         let numbers = [
             ("beam_length", from.beam_length_m),
             ("beam_width", from.beam_width_m),
@@ -356,6 +358,15 @@ fn circuit(of: Load) -> Component {
     }
     let Component { of_type, value } = load(of);
     Component { of_type: format!("Resistive<{of_type}>"), value: format!("Resistive({value})") }
+}
+
+/// The piezoelectric layers.
+fn transducer(of: Transducer) -> Component {
+    match of {
+        Transducer::Monomorph => unit("Monomorph"),
+        Transducer::BimorphSeries => Component { value: "Bimorph::Series".to_owned(), ..unit("Bimorph") },
+        Transducer::BimorphParallel => Component { value: "Bimorph::Parallel".to_owned(), ..unit("Bimorph") },
+    }
 }
 
 /// A layer of the beam as Rust source.

@@ -89,6 +89,21 @@ fn the_scene_of_the_firmware_is_what_the_command_emits() {
     assert_eq!(found, shipped);
 }
 
+#[test]
+fn the_emitted_bimorph_has_its_connection() {
+    const BIMORPH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bimorph-erturk-inman.toml");
+    for (connection, value, of_type) in [
+        ("bimorph-series", "Bimorph::Series", "Bimorph"),
+        ("bimorph-parallel", "Bimorph::Parallel", "Bimorph"),
+        ("monomorph", "Monomorph", "Monomorph"),
+    ] {
+        let set = format!("parameters.transducer={connection}");
+        let text = accepted(&["needs", BIMORPH, "--set", &set, "--emit", "-"]);
+        assert!(text.contains(&format!("        transducer: {value},\n")), "{text}");
+        assert!(text.contains(&format!("TipMass<f32>, {of_type}>;")), "{text}");
+    }
+}
+
 /// The force that is not needed at 20.5 Hz moves the power by 17.7 % at 19.8 Hz, below the impacts.
 #[test]
 fn a_cut_holds_at_the_corners_of_a_range_too() {

@@ -51,6 +51,12 @@
 //! The static compliance and the static curvatures of all modes together do not depend on masses; only the curvature under
 //! the base acceleration has the moment `M (L_b + d)` of the body as well.
 
+//!
+//! # Bimorph
+//!
+//! [`Choices::transducer`] takes a [`Bimorph`]: a second piezoelectric layer below the substrate, in series or in parallel.
+//! It changes bending stiffness, mass, `ν` and `C_p` only. A [`Parameters::piezo`] then describes each of the two layers.
+
 mod checks;
 mod choices;
 mod circuit;
@@ -89,6 +95,7 @@ pub use tip_mass::NoTipMass;
 pub use validity::{ClosedForm, Reason, Validity};
 
 pub use crate::part::beam::TipMass;
+pub use crate::part::monomorph::{Bimorph, Monomorph};
 use crate::scalar::Scalar;
 use choices::ContactOf;
 

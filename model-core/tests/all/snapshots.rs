@@ -254,9 +254,10 @@ fn an_image_of_other_parameters_is_foreign() {
 
     let stepper = bump::<f32, 4, 1>(AnyContact::ResidualFlexibility);
     let (_, bytes) = saved(stepper, settings(400.0));
-    let changes: [Change<bump_stop::Parameters<f32, bump_stop::AnyChoices<f32>>>; 9] = [
+    let changes: [Change<bump_stop::Parameters<f32, bump_stop::AnyChoices<f32>>>; 10] = [
         |p| p.beam_length = 0.0501,
         |p| p.piezo_d31 = -191e-12,
+        |p| p.choices.transducer = Some(bump_stop::Bimorph::Series),
         |p| p.piezo_permittivity = 16e-9,
         |p| p.damping_ratio = 0.011,
         |p| p.choices.stop.gap = 11e-6,

@@ -1,6 +1,7 @@
 //! The tests that cross crates, in one binary, because each binary links all of the host.
 
 mod accuracy;
+mod bimorph;
 mod bump_stop;
 mod bump_stop_below_resonance;
 mod bump_stop_clamp;

@@ -70,7 +70,7 @@ const KINDS: [(&str, &[&str]); 28] = [
     ("contact-separation", &["parameters.restitution={kind='constant', coefficient=0.5}"]),
     ("contact-separation", &["initial={gap_m=1e-3, velocity_m_per_s=0, charge_c=0}"]),
     ("sliding", &["initial={displacement_m=1e-3, velocity_m_per_s=0, charge_c=0}"]),
-    ("bump-stop-tip-mass", &["tip_mass.offset_m=0"]),
+    ("bump-stop-tip-mass", &["tip_mass.offset_m=0", "parameters.transducer=bimorph-series"]),
     ("contact-separation", &["limits={pressure_pa=1e5, fringing=0.1, contact_speed_m_per_s=1}"]),
     ("sliding", &["limits={strain=5e-3, slope_rad=0.1}"]),
     (

@@ -16,6 +16,11 @@ const ROD: CoreTable = Stop::<f64, ()>::BOUNDS;
 const START: CoreTable = Start::<f64, 0, 0>::BOUNDS;
 
 const COUPLINGS: [(&str, Coupling); 2] = [("two-way", Coupling::TwoWay), ("one-way", Coupling::OneWay)];
+const TRANSDUCERS: [(&str, Transducer); 3] = [
+    ("monomorph", Transducer::Monomorph),
+    ("bimorph-series", Transducer::BimorphSeries),
+    ("bimorph-parallel", Transducer::BimorphParallel),
+];
 const CONTACTS: [(&str, Contact); 3] = [
     ("residual-flexibility", Contact::ResidualFlexibility),
     ("restitution", Contact::Restitution),
@@ -58,7 +63,7 @@ impl BumpStop {
 }
 
 model_core::bump_stop_numbers! { of_rows! {
-    /// `[parameters]` of a bump-stop scene: a cantilever of a substrate and one piezoelectric layer, both of
+    /// `[parameters]` of a bump-stop scene: a cantilever of a substrate and one or two piezoelectric layers, all of
     /// its full length and width. The electrodes are taken so that the voltage rises as the tip moves towards the stop.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct BumpStopParameters {
@@ -66,6 +71,8 @@ model_core::bump_stop_numbers! { of_rows! {
         pub beam_modes: usize,
         /// Whether the voltage acts back on the beam.
         pub coupling: Coupling,
+        /// The piezoelectric layers and their connection.
+        pub transducer: Transducer,
         /// Table `[tip_mass]`; `None`: a free end.
         pub tip_mass: Option<TipMassParameters>,
     }
@@ -84,6 +91,29 @@ pub enum Coupling {
     TwoWay,
     /// It does not: the beam drives the circuit and does not feel it.
     OneWay,
+}
+
+/// The piezoelectric layers of a cantilever and their connection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Transducer {
+    /// One layer on one side.
+    Monomorph,
+    /// A layer on each side, poled oppositely, in series.
+    BimorphSeries,
+    /// A layer on each side, poled alike, in parallel.
+    BimorphParallel,
+}
+
+impl Transducer {
+    /// How many layers there are, and how many of them are in series between the terminals.
+    #[must_use]
+    pub fn layers(self) -> [f64; 2] {
+        match self {
+            Self::Monomorph => [1.0, 1.0],
+            Self::BimorphSeries => [2.0, 2.0],
+            Self::BimorphParallel => [2.0, 1.0],
+        }
+    }
 }
 
 /// `[stop]` of a bump-stop scene: an elastic rod that stands on the base, its face beside the beam.
@@ -161,7 +191,7 @@ pub(super) static KIND: Kind = Kind {
         other(
             "parameters",
             Value::Table(&PARAMETERS),
-            "The cantilever: a substrate and one piezoelectric layer",
+            "The cantilever: a substrate and its piezoelectric layers",
         ),
         other("tip_mass", Value::Table(&TIP_MASS), "A rigid body at the free end of the cantilever")
             .or_said("a free end"),
@@ -174,7 +204,7 @@ pub(super) static KIND: Kind = Kind {
     ],
 };
 
-static PARAMETERS: Table = Table::of(&joined::<13>(&[
+static PARAMETERS: Table = Table::of(&joined::<14>(&[
     &model_core::bump_stop_numbers!(of_rows! { keys }),
     &[
         whole("beam_modes", "", between(1.0, 20.0), "Bending modes that are kept"),
@@ -183,6 +213,8 @@ static PARAMETERS: Table = Table::of(&joined::<13>(&[
             Value::Words(&words(&COUPLINGS)),
             "Whether the voltage acts back on the cantilever",
         ),
+        other("transducer", Value::Words(&words(&TRANSDUCERS)), "Piezoelectric layers, each as in `piezo_…`")
+            .or_said("monomorph"),
     ],
 ]));
 
@@ -269,6 +301,11 @@ fn parameters(mut section: Section<'_>) -> Result<BumpStopParameters, SceneError
     let parameters = model_core::bump_stop_numbers!(of_rows! { read section BumpStopParameters {
         beam_modes: section.whole_number("beam_modes")?,
         coupling: section.choice("coupling", &COUPLINGS)?,
+        transducer: if section.has("transducer") {
+            section.choice("transducer", &TRANSDUCERS)?
+        } else {
+            Transducer::Monomorph
+        },
         tip_mass: None,
     } });
     let [frequencies, _] = BumpStopModes::new(&parameters, None).natural_frequencies_hz();

@@ -1,6 +1,6 @@
 //! Modes of a clamped piezoelectric beam and of the rod that it hits.
 //!
-//! The beam is a clamped-free Euler-Bernoulli beam of two layers; the rod is fixed at its base and free at its
+//! The beam is a clamped-free Euler-Bernoulli beam of two or three layers; the rod is fixed at its base and free at its
 //! face. Modes are normalised to unit modal mass. The electrodes cover the whole length of the piezoelectric
 //! layer, so its coupling is that of the slope at the tip: Erturk and Inman, J. Vib. Acoust. 130 (2008).
 //! With a tip mass the beam has other modes and the same section. They are for the checks of the reader, the reference and the
@@ -68,7 +68,7 @@ pub struct BumpStopModes {
     pub fibres: [[f64; 2]; 2],
 }
 
-/// A beam's cross section of two layers.
+/// A beam's cross section of two layers, or of three for a bimorph.
 struct Section {
     /// Bending stiffness `E I` in N·m².
     bending_stiffness: f64,
@@ -84,10 +84,13 @@ impl Section {
     fn new(from: &BumpStopParameters) -> Self {
         let (width, substrate, piezo) =
             (from.beam_width_m, from.substrate_thickness_m, from.piezo_thickness_m);
-        let layers = [
+        let [count, in_series] = from.transducer.layers();
+        // From the lower face of the substrate.
+        let mut layers = vec![
             (from.substrate_young_modulus_pa, substrate, 0.5 * substrate),
             (from.piezo_young_modulus_pa, piezo, substrate + 0.5 * piezo),
         ];
+        layers.extend((count == 2.0).then_some((from.piezo_young_modulus_pa, piezo, -0.5 * piezo)));
         let stiffness: f64 = layers.iter().map(|(modulus, thickness, _)| modulus * thickness).sum();
         let moment: f64 =
             layers.iter().map(|(modulus, thickness, middle)| modulus * thickness * middle).sum();
@@ -99,10 +102,12 @@ impl Section {
         Self {
             bending_stiffness: width * bending.sum::<f64>(),
             mass_per_length: width
-                * (from.substrate_density_kg_per_m3 * substrate + from.piezo_density_kg_per_m3 * piezo),
+                * (from.substrate_density_kg_per_m3 * substrate
+                    + count * from.piezo_density_kg_per_m3 * piezo),
             moment_per_volt: (from.piezo_young_modulus_pa * from.piezo_d31_m_per_v).abs()
                 * width
-                * (piezo_middle - neutral),
+                * (piezo_middle - neutral)
+                * (count / in_series),
             fibres: [
                 [neutral, from.substrate_young_modulus_pa],
                 [substrate + piezo - neutral, from.piezo_young_modulus_pa],
@@ -176,6 +181,7 @@ impl BumpStopModes {
     /// The modes that a scene keeps.
     pub fn new(from: &BumpStopParameters, stop: Option<&StopParameters>) -> Self {
         let section = Section::new(from);
+        let [count, in_series] = from.transducer.layers();
         let length = from.beam_length_m;
         let beam_mass = section.mass_per_length * length;
         let beam: Vec<BeamMode> = match &from.tip_mass {
@@ -213,7 +219,8 @@ impl BumpStopModes {
             beam,
             rod,
             capacitance: from.piezo_permittivity_f_per_m * from.beam_width_m * length
-                / from.piezo_thickness_m,
+                / from.piezo_thickness_m
+                * (count / (in_series * in_series)),
             bending_stiffness: section.bending_stiffness,
             beam_mass,
             beam_residual,

@@ -10,6 +10,7 @@ pub use self::node::{Action, EstimationCost, HOURS, Node, PartFigure, Storage};
 use super::Summary;
 pub use super::bump_stop::{
     BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters, TipMassParameters,
+    Transducer,
 };
 pub use super::contact_separation::{
     ContactSeparation, ContactSeparationParameters, ContactSeparationStart, Restitution,

@@ -8,6 +8,7 @@ use super::stop::{Stop, StopChoice};
 use super::tip_mass::{NoTipMass, TipMassChoice};
 use crate::part::beam::TipMass;
 use crate::part::load::AnyLoad;
+use crate::part::monomorph::{Bimorph, Monomorph, Transducer};
 use crate::part::rectifier::FullBridge;
 use crate::scalar::Scalar;
 use crate::scene::parts;
@@ -84,7 +85,7 @@ impl Coupling for AnyCoupling {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Choices<L, T = NoStop, K = TwoWay, M = NoTipMass> {
+pub struct Choices<L, T = NoStop, K = TwoWay, M = NoTipMass, X = Monomorph> {
     /// The circuit at the terminals: a [`Resistive`] load, or, by [`Choices::behind`], a [`FullBridge`].
     pub load: L,
     /// The stop.
@@ -93,45 +94,63 @@ pub struct Choices<L, T = NoStop, K = TwoWay, M = NoTipMass> {
     pub coupling: K,
     /// A rigid body at the tip of the beam: a [`TipMass`], or [`NoTipMass`].
     pub tip_mass: M,
+    /// The piezoelectric layers: a [`Monomorph`] or a [`Bimorph`].
+    pub transducer: X,
 }
 
 /// Every choice at run time, except the one between a load and a bridge.
 pub type AnyChoices<S, L = Resistive<AnyLoad<S>>> =
-    Choices<L, Stop<S, AnyContact<S>>, AnyCoupling, Option<TipMass<S>>>;
+    Choices<L, Stop<S, AnyContact<S>>, AnyCoupling, Option<TipMass<S>>, Option<Bimorph>>;
 
 impl<L> Choices<Resistive<L>> {
-    /// A load resistance, without stop and tip mass, with two-way coupling.
+    /// A load resistance, without stop and tip mass, with two-way coupling and one piezoelectric layer.
     #[must_use]
     pub const fn new(load: L) -> Self {
-        Self { load: Resistive(load), stop: NoStop, coupling: TwoWay, tip_mass: NoTipMass }
+        Choices {
+            load: Resistive(load),
+            stop: NoStop,
+            coupling: TwoWay,
+            tip_mass: NoTipMass,
+            transducer: Monomorph,
+        }
     }
 }
 
 impl<S, R> Choices<FullBridge<S, R>> {
-    /// A full bridge with its storage, without stop and tip mass, with two-way coupling.
+    /// A full bridge with its storage, without stop and tip mass, with two-way coupling and one piezoelectric layer.
     #[must_use]
     pub const fn behind(bridge: FullBridge<S, R>) -> Self {
-        Self { load: bridge, stop: NoStop, coupling: TwoWay, tip_mass: NoTipMass }
+        Choices { load: bridge, stop: NoStop, coupling: TwoWay, tip_mass: NoTipMass, transducer: Monomorph }
     }
 }
 
-impl<L, T, K, M> Choices<L, T, K, M> {
+impl<L, T, K, M, X> Choices<L, T, K, M, X> {
     /// With a stop.
     #[must_use]
-    pub fn stop<Other>(self, stop: Other) -> Choices<L, Other, K, M> {
-        Choices { load: self.load, stop, coupling: self.coupling, tip_mass: self.tip_mass }
+    pub fn stop<Other>(self, stop: Other) -> Choices<L, Other, K, M, X> {
+        let Self { load, coupling, tip_mass, transducer, .. } = self;
+        Choices { load, stop, coupling, tip_mass, transducer }
     }
 
     /// With another coupling.
     #[must_use]
-    pub fn coupling<Other>(self, coupling: Other) -> Choices<L, T, Other, M> {
-        Choices { load: self.load, stop: self.stop, coupling, tip_mass: self.tip_mass }
+    pub fn coupling<Other>(self, coupling: Other) -> Choices<L, T, Other, M, X> {
+        let Self { load, stop, tip_mass, transducer, .. } = self;
+        Choices { load, stop, coupling, tip_mass, transducer }
     }
 
     /// With a tip mass.
     #[must_use]
-    pub fn tip_mass<Other>(self, tip_mass: Other) -> Choices<L, T, K, Other> {
-        Choices { load: self.load, stop: self.stop, coupling: self.coupling, tip_mass }
+    pub fn tip_mass<Other>(self, tip_mass: Other) -> Choices<L, T, K, Other, X> {
+        let Self { load, stop, coupling, transducer, .. } = self;
+        Choices { load, stop, coupling, tip_mass, transducer }
+    }
+
+    /// With other piezoelectric layers.
+    #[must_use]
+    pub fn transducer<Other>(self, transducer: Other) -> Choices<L, T, K, M, Other> {
+        let Self { load, stop, coupling, tip_mass, .. } = self;
+        Choices { load, stop, coupling, tip_mass, transducer }
     }
 }
 
@@ -147,4 +166,6 @@ parts! { S:
     K = Coupling: Coupling,
     /// A rigid body at the tip of the beam.
     M = TipMass: TipMassChoice<S>,
+    /// The piezoelectric layers.
+    X = Transducer: Transducer<S>,
 }

@@ -27,7 +27,7 @@ use crate::excitation::Excitation;
 use crate::integrate::Cubic;
 use crate::integrate::cubic::Peak;
 use crate::observer::{AcceptedStep, Observer, Outputs};
-use crate::part::monomorph::Monomorph;
+use crate::part::monomorph::Transducer as _;
 use crate::scalar::{CompensatedSum, Scalar};
 
 /// An outer fibre of the beam.
@@ -87,7 +87,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         C: Parts<S>,
     {
         let harvester: BumpStop<S, C, B, R> = self.build_first(beam, rod)?;
-        let &Choices { stop, tip_mass, .. } = self.choices.choices();
+        let &Choices { stop, tip_mass, transducer, .. } = self.choices.choices();
         let section = self.section();
         let (length, rigidity) = (self.beam_length, section.bending_stiffness);
         let cantilever = self.cantilever(&section);
@@ -106,7 +106,7 @@ impl<S: Scalar, C> Parameters<S, C> {
             base -= compliance * mode.base;
             voltage -= compliance * mode.voltage;
         }
-        let [substrate, piezo] = Monomorph::outer_distances(&self.substrate, &self.piezo);
+        let [substrate, piezo] = transducer.outer_distances([&self.substrate, &self.piezo]);
         Ok(ClampBending {
             modes,
             force,

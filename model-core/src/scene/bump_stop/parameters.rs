@@ -6,7 +6,7 @@ use super::tip_mass::TipMassChoice;
 use super::{BeamCoefficients, BumpStop, Choices, Parts, RodCoefficients};
 use crate::bounds::{Bounds, ParameterError, parameters};
 use crate::part::beam::{BeamMode, Cantilever};
-use crate::part::monomorph::{Layer, Monomorph};
+use crate::part::monomorph::{Layer, Section, Transducer as _};
 use crate::part::rod::Rod;
 use crate::scalar::Scalar;
 
@@ -19,7 +19,7 @@ pub struct Parameters<S, C> {
     pub beam_width: S,
     /// Substrate; thickness 10⁻⁷ to 1 m, modulus 10⁵ to 10¹⁵ Pa, density 1 to 10⁵ kg/m³.
     pub substrate: Layer<S>,
-    /// Piezoelectric layer of the same length and width, with the same bounds.
+    /// Piezoelectric layer, of a bimorph each of the two, of the same length and width, with the same bounds.
     pub piezo: Layer<S>,
     /// Piezoelectric constant `d31` in m/V, at most 10⁻⁸ in magnitude.
     pub piezo_d31: S,
@@ -93,7 +93,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         C: Parts<S>,
     {
         self.check()?;
-        let &Choices { load, stop, coupling, tip_mass } = self.choices.choices();
+        let &Choices { load, stop, coupling, tip_mass, .. } = self.choices.choices();
         let [beam_modes, rod_modes] = mode_counts(modes, [B, R])?;
         let section = self.section();
         let beam = self.cantilever(&section);
@@ -139,13 +139,18 @@ impl<S: Scalar, C> Parameters<S, C> {
 
     /// The cross-section of the beam.
     #[must_use]
-    pub fn section(&self) -> Monomorph<S> {
-        Monomorph::new(&self.substrate, &self.piezo, self.beam_width, self.piezo_d31, self.piezo_permittivity)
+    pub fn section(&self) -> Section<S>
+    where
+        C: Parts<S>,
+    {
+        let Self { substrate, piezo, beam_width, piezo_d31, piezo_permittivity, .. } = self;
+        let transducer = self.choices.choices().transducer;
+        transducer.section([substrate, piezo], *beam_width, *piezo_d31, *piezo_permittivity)
     }
 
     /// The beam with a free end.
     #[inline(always)]
-    pub(super) fn cantilever(&self, section: &Monomorph<S>) -> Cantilever<S> {
+    pub(super) fn cantilever(&self, section: &Section<S>) -> Cantilever<S> {
         Cantilever {
             length: self.beam_length,
             bending_stiffness: section.bending_stiffness,

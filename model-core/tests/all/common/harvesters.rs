@@ -111,6 +111,7 @@ pub(crate) fn bump_parameters_into<S: Scalar, L>(
             },
             coupling: bump_stop::AnyCoupling::TwoWay,
             tip_mass: None,
+            transducer: None,
         },
     }
 }

@@ -36,6 +36,7 @@ fn parameters(position: f64, coupling: AnyCoupling) -> Parameters<f64, AnyChoice
             },
             coupling,
             tip_mass: None,
+            transducer: None,
         },
     }
 }

@@ -29,7 +29,8 @@ fn baseline<S: Scalar>(coupling: AnyCoupling, resistance: f64) -> Parameters<S, 
                 contact_compliance: S::ZERO,
                 contact: AnyContact::NoStop,
             })
-            .tip_mass(None),
+            .tip_mass(None)
+            .transducer(None),
     }
 }
 
