@@ -16,7 +16,7 @@ use serde::Serialize;
 
 pub(crate) use self::change::{Change, Corner, corner_name, cycles, impacts};
 pub(crate) use self::emit::Emission;
-pub(crate) use self::numerics::{Control, Numerics, Setting, cheapest};
+pub(crate) use self::numerics::{Control, Numerics, REPEATS, Setting, cheapest, host_time};
 pub(crate) use self::part::Part;
 use self::part::{modes, parts};
 pub(crate) use self::study::Study;

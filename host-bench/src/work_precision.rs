@@ -96,7 +96,7 @@ pub(crate) struct Measured {
     /// Processor time of the host in ns per simulated second, the least of the runs.
     pub(crate) ns_per_s: f64,
     /// The largest of them over the least, less 1.
-    time_spread: Option<f64>,
+    pub(crate) time_spread: Option<f64>,
     /// Host time over that of the fastest row that reaches the target; `None` if there is no such row.
     time_ratio: Option<f64>,
     /// Residual of the energy ledger, as in [`Outcome::energy_residual`].

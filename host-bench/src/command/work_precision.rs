@@ -9,7 +9,7 @@ use super::files::{Outputs, make_folder, report_folder};
 use super::{NODE, SHIPPED_SCENES, check_overrides, json_text, note, one_more, print, progress};
 use crate::method::{Failure, Method, Options, Precision};
 use crate::motion::{self, Series, View, Wanted};
-use crate::needs::{Study, cheapest};
+use crate::needs::{REPEATS, Study, cheapest, host_time};
 use crate::outcome::{Format, fields, folded};
 use crate::report::setting::{setting, with_unit};
 use crate::report::{report, short_chart, terminal};
@@ -18,7 +18,7 @@ use crate::run::run_scene;
 use crate::scene_file::{self, Model, Override, Scene};
 use crate::work_precision::grid::{self, Grid};
 use crate::work_precision::triboelectric::method_name;
-use crate::work_precision::{self, Comparison, Control, Extent, Row, Variant, least, table};
+use crate::work_precision::{self, Comparison, Control, Extent, Row, Variant, table};
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Run time: three minutes of one core for the shipped scenes")]
@@ -128,15 +128,11 @@ fn beside_peers(_: &WorkPrecisionArguments, _: &[String]) -> Result<(), Failure>
 /// Runs the comparison with the peers, prints it and writes its files.
 #[cfg(feature = "peers")]
 fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<(), Failure> {
-    use super::files::Outputs;
-    use super::{SHIPPED_SCENES, print_line};
+    use super::print_line;
     use crate::work_precision::peers;
 
     let cases = peers::cases(names)?;
     let outputs = Outputs::of_shipped(SHIPPED_SCENES);
-    if arguments.csv.is_some() && arguments.csv == arguments.picture {
-        return Err(Failure::Input("--picture: must be another file than --csv".to_owned()));
-    }
     for (option, file) in [("--csv", &arguments.csv), ("--picture", &arguments.picture)] {
         file.as_ref().map_or(Ok(()), |file| outputs.check(option, file))?;
     }
@@ -148,9 +144,7 @@ fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<
     };
     let comparisons: Vec<_> = cases.into_iter().map(compared).collect::<Result<_, _>>()?;
     bar.finish_and_clear();
-    if let Some(file) = &arguments.csv {
-        outputs.keep(file, peers::csv(&comparisons));
-    }
+    arguments.csv.iter().for_each(|file| outputs.keep(file, peers::csv(&comparisons)));
     if let Some(file) = &arguments.picture {
         outputs.keep(file, peers::draw(&comparisons)?);
     }
@@ -215,14 +209,15 @@ const ACCURACY: f64 = 1e-2;
 /// Rows of the charts in the terminal.
 const ROWS: [usize; 2] = [7, 15];
 /// Columns of the table in the terminal.
-const COLUMNS: [Column<'_>; 8] = [
+const COLUMNS: [Column<'_>; 9] = [
     ("", "mark", Digits::Word),
     ("method", "method", Digits::Word),
     ("precision", "precision", Digits::Word),
-    ("step or tolerance", "control", Digits::Word),
+    ("step, tolerance", "control", Digits::Word),
     ("error", "error", Digits::Exponent(1)),
-    ("µs", "us_per_s", Digits::Fixed(1.0, 1)),
-    ("over auto", "over_auto", Digits::Fixed(1.0, 2)),
+    ("µs", "us_per_s", Digits::Fixed(1.0, 0)),
+    ("spread", "time_spread", Digits::By(|spread| format!("{:.0} %", 100.0 * spread))),
+    ("/ auto", "over_auto", Digits::Fixed(1.0, 2)),
     ("steps", "steps_per_s", Digits::Fixed(1.0, 0)),
 ];
 
@@ -283,20 +278,21 @@ fn cut(scene: &Scene) -> Result<String, Failure> {
         return Ok(String::new());
     };
     let auto = Options { precision: Some(Precision::F64), ..Options::default() };
-    let [whole, whole_auto] = [cheapest.setting.options(), auto].map(|options| {
-        let options = Options { bare: true, blocks: false, ..options };
-        let runs = (0..5).filter_map(|_| run_scene(scene, &options).ok());
-        1e6 * least(&runs.map(|run| run.processor_s / scene.run.duration_s).collect::<Vec<_>>()).0
-    });
+    let time = |(host_s_per_s, spread): (f64, Option<f64>)| {
+        format!("{:.0} µs (spread {:.0} %)", 1e6 * host_s_per_s, 100.0 * spread.unwrap_or(f64::NAN))
+    };
+    let [whole, whole_auto] =
+        [cheapest.setting.options(), auto].map(|options| time(host_time(scene, &options)));
     let parts: Vec<String> = needs.cut.iter().map(|part| part.name()).collect();
     let text = format!(
-        "Left out of it at an accuracy of {} %: {}. The mean power changes by {:.2} %, and a simulated second takes {:.0} µs \
-         of this processor in f32 with the longest steps that hold this accuracy, {whole:.0} µs with all parts, and \
-         {whole_auto:.0} µs with all parts as auto runs it in f64. The command needs says this of any scene.",
+        "Left out of it at an accuracy of {} %: {}. The mean power changes by {:.2} %, and a simulated second takes {} \
+         of this processor in f32 with the longest steps that hold this accuracy, {whole} with all parts, and \
+         {whole_auto} with all parts as auto runs it in f64, each the least of {REPEATS} runs. The command needs says this of \
+         any scene.",
         100.0 * ACCURACY,
         if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") },
         100.0 * cheapest.change.mean_power.unwrap_or(f64::NAN).abs(),
-        1e6 * cheapest.host_s_per_s,
+        time((cheapest.host_s_per_s, cheapest.host_spread)),
     );
     Ok(folded(&text, 0) + "\n\n")
 }
@@ -318,7 +314,7 @@ fn errors(comparison: &Comparison) -> String {
         let Variant { method, precision, control, .. } = row.variant;
         let is_reference = method == Method::Reference && control == Control::Default;
         let control = match control {
-            Control::PerPeriod { steps, .. } => format!("{steps} steps a period"),
+            Control::PerPeriod { steps, .. } => format!("{steps} a period"),
             Control::Default => String::new(),
             other => other.to_string(),
         };
@@ -337,18 +333,20 @@ fn errors(comparison: &Comparison) -> String {
             "control": control,
             "error": comparison.error(row),
             "us_per_s": found.map(|found| found.ns_per_s / 1e3),
+            "time_spread": found.and_then(|found| found.time_spread),
             "over_auto": found.map(|found| found.ns_per_s / of_auto),
             "steps_per_s": found.map(|found| found.steps_per_s),
         }))
     };
     let rows = Rows(shown.iter().map(row).collect());
-    let asked = comparison.target_error();
     let notes = folded(
         &format!(
-            "->: recommended, what auto takes. x: an error above the asked {asked:.0e}, or no result. step or tolerance: steps \
-             in a period of the excitation, or the relative tolerance of an adaptive step. error: of the mean power, relative \
-             to the reference. µs: time of this processor for a simulated second, the least of some runs; over auto: that \
-             over the time of auto in f64. steps: taken and rejected in a simulated second.",
+            "->: recommended, what auto takes. x: an error above the asked {:.0e}, or no result. step, tolerance: steps in \
+             a period of the excitation, or the relative tolerance of an adaptive step. error: of the mean power, relative to \
+             the reference. µs: time of this processor for a simulated second, the least of up to {} runs; spread: the largest \
+             over it, less 1; / auto: it over that of auto in f64. steps: taken and rejected in a simulated second.",
+            comparison.target_error(),
+            Extent::FIRST.runs
         ),
         0,
     );
@@ -357,4 +355,33 @@ fn errors(comparison: &Comparison) -> String {
         terminal(&short_chart(comparison), ROWS[1]),
         rows.table(presets::ASCII_MARKDOWN, &COLUMNS, 4)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_time_of_the_first_table_has_its_spread_and_the_table_fits_a_terminal() {
+        let run = Override::new("run", "{duration_periods=4,settle_periods=2}");
+        let scene = scene_file::read(&scene_file::shipped(FIRST), &[run]).expect("the shipped scene");
+        let comparison = compare(&[scene], &Extent::FIRST).expect("the reference runs").remove(0);
+        let text = errors(&comparison);
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+        let rows: Vec<Vec<&str>> = text
+            .lines()
+            .filter(|line| line.starts_with('|'))
+            .map(|line| line.split('|').map(str::trim).collect())
+            .collect();
+        assert!((10..=25).contains(&rows.len()), "{text}");
+        let place = |heading: &str| rows[0].iter().position(|cell| *cell == heading).expect("a column");
+        let [method, time, spread] = ["method", "µs", "spread"].map(place);
+        let timed = rows[2..].iter().filter(|row| row[time] != "-" && row[method] != "reference");
+        let spreads: Vec<Option<f64>> =
+            timed.map(|row| row[spread].strip_suffix(" %").and_then(|part| part.parse().ok())).collect();
+        assert!(
+            spreads.len() > 8 && spreads.iter().all(|part| part.is_some_and(|part| part >= 0.0)),
+            "{text}"
+        );
+    }
 }

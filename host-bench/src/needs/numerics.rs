@@ -20,7 +20,7 @@ const LONG_OVER_SHORT: f64 = 20.0;
 /// Halvings of a fixed step.
 const HALVINGS: u32 = 10;
 /// Runs of which the shortest is the cost.
-const REPEATS: usize = 5;
+pub(crate) const REPEATS: usize = 5;
 
 /// What decides on the length of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -164,7 +164,7 @@ fn loosest(study: &Study, (scene, is_chaotic): (&Scene, bool), ladder: &[Setting
 }
 
 /// Processor time of the host over simulated time, as firmware would run it, and its spread.
-fn host_time(scene: &Scene, options: &Options) -> (f64, Option<f64>) {
+pub(crate) fn host_time(scene: &Scene, options: &Options) -> (f64, Option<f64>) {
     let options = Options { bare: true, blocks: false, ..*options };
     let runs = (0..REPEATS).filter_map(|_| run_scene(scene, &options).ok());
     least(&runs.map(|run| run.processor_s / scene.run.duration_s).collect::<Vec<_>>())
