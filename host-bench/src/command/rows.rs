@@ -36,11 +36,11 @@ pub(super) struct Kind<'a> {
 pub(super) struct Rows {
     option: String,
     path: PathBuf,
-    file: Mutex<File>,
+    file: Mutex<Box<dyn Write + Send>>,
 }
 
 impl Rows {
-    /// Opens the file, or makes it. Returns the rows that it has, by number; `read` makes a row of its text.
+    /// Opens or makes the file. Returns its rows by number; `read` makes a row of its text. Standard output has none.
     ///
     /// A row that is torn or damaged is left out with a note, and the file is replaced by one without it.
     ///
@@ -55,6 +55,15 @@ impl Rows {
         let Kind { option, heading, earlier, other } = kind;
         let refuse = |reason: String| refusal(option, path, &reason);
         let heading = format!("{heading}{CHECKSUM}\n");
+        let to = |file: Box<dyn Write + Send>| Self {
+            option: option.to_owned(),
+            path: path.to_owned(),
+            file: Mutex::new(file),
+        };
+        if path == Path::new(input::STANDARD) {
+            let rows = to(Box::new(io::stdout()));
+            return rows.write(&heading).map(|()| (rows, BTreeMap::new()));
+        }
         let bytes = match input::read(path, MOST) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
             read => read.map_err(|error| refuse(format!("cannot be read: {error}")))?,
@@ -86,12 +95,15 @@ impl Rows {
         let opened = opened.and_then(|()| OpenOptions::new().append(true).open(path));
         let file = opened.map_err(|error| refuse(format!("cannot be written: {error}")))?;
         note(&format!("Ctrl-C keeps what is done, in {}; the same command goes on from it", path.display()));
-        Ok((Self { option: option.to_owned(), path: path.to_owned(), file: Mutex::new(file) }, known))
+        Ok((to(Box::new(file)), known))
     }
 
     /// Appends rows, each without its line break.
     pub(super) fn append(&self, rows: impl IntoIterator<Item = String>) -> Result<(), Failure> {
-        let lines: String = rows.into_iter().map(|row| line(&row)).collect();
+        self.write(&rows.into_iter().map(|row| line(&row)).collect::<String>())
+    }
+
+    fn write(&self, lines: &str) -> Result<(), Failure> {
         // A lock is poisoned by a panic while a row is written only.
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let written = file.write_all(lines.as_bytes());

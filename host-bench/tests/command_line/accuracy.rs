@@ -34,6 +34,26 @@ fn one_random_case_has_the_row_that_it_has_among_all() {
     refused(&["stability", "--random", "5", "--case", "5"], &["--case 5", "below the 5 of --random"]);
 }
 
+#[test]
+fn rows_of_stability_on_standard_output_are_those_of_a_file() {
+    let random = ["stability", "--random", "5", "--seed", "407", "--output"];
+    let file = std::env::temp_dir().join(format!("stability-rows-{}.csv", std::process::id()));
+    accepted(&[&random[..], &[file.to_str().expect("text")]].concat());
+    let output = host_bench(&[&random[..], &["-"]].concat());
+    let told = String::from_utf8(output.stderr).expect("text");
+    assert!(output.status.success() && told.contains("undecided"), "{told}");
+    // Each is written when it is judged.
+    let sorted = |text: &str| {
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        lines.sort();
+        lines
+    };
+    let written = std::fs::read_to_string(&file).expect("was written");
+    std::fs::remove_file(file).expect("is there");
+    let found = String::from_utf8(output.stdout).expect("text");
+    assert!(found.starts_with("number,") && sorted(&found) == sorted(&written), "{found}");
+}
+
 /// At these accuracies the first run of each of the first three has a statement above what is asked for.
 #[test]
 fn a_run_is_made_tighter_until_its_statement_is_within_what_was_asked() {
