@@ -38,9 +38,13 @@ pub struct StabilityArguments {
     /// Which random scenes
     #[arg(long, value_name = "N", default_value_t = 0, requires = "random")]
     seed: u64,
-    /// Run the random scene of this number alone, and print its row with the arguments that repeat it
-    #[arg(long, value_name = "N", requires = "random", conflicts_with = "output")]
-    case: Option<u64>,
+    /// Run the random scenes of these numbers alone; of one, print its row with the arguments that repeat it
+    #[arg(long, value_name = "N,..", value_delimiter = ',', requires = "random", conflicts_with = "output")]
+    case: Vec<u64>,
+    /// By how many accurate runs the mean power of a chaotic random scene is judged
+    #[arg(long, value_name = "RUNS", default_value_t = 33, value_parser = count::<i32>(3..=9_999), requires = "random",
+        conflicts_with = "output")]
+    judges: i32,
     /// Run each shipped scene for 86,400 simulated seconds in f32 and in f64 in place of the grid, and compare the mean powers
     #[arg(long, conflicts_with_all = ["grid", "random", "output", "report"])]
     day: bool,
@@ -70,27 +74,25 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
         return run_days(arguments.scene, arguments.format);
     }
     let outputs = Outputs::of_shipped(SHIPPED_SCENES);
-    if let Some(file) = &arguments.output {
-        outputs.check(OUTPUT, file)?;
-    }
+    arguments.output.iter().try_for_each(|file| outputs.check(OUTPUT, file))?;
     let folder = arguments.report.clone().unwrap_or_else(|| report_folder().join("stability"));
     let has_page = arguments.random.is_none();
     if has_page {
         make_folder(&folder)?;
         [PAGE, CASES].iter().try_for_each(|name| outputs.check("--report", &folder.join(name)))?;
     }
-    if let (Some(case), Some(count)) = (arguments.case, arguments.random)
-        && case >= count
+    if let (Some(case), Some(count)) = (arguments.case.iter().max(), arguments.random)
+        && *case >= count
     {
         return Err(Failure::Input(format!("--case {case}: must be below the {count} of --random")));
     }
     let cases = cases(arguments);
-    let is_asked = |number: usize| arguments.case.is_none_or(|case| case == number as u64);
+    let is_asked = |number: usize| arguments.case.is_empty() || arguments.case.contains(&(number as u64));
     let effort = |number| effort(arguments, number, &cases[number]);
     let rows = judged(&cases, is_asked, effort, arguments.output.as_deref())?;
     let csv = || rows.iter().fold(Finding::heading(), |text, row| text + &row.csv());
     print(&match arguments.format {
-        Format::Table if arguments.case.is_none() => summary(&rows),
+        Format::Table if arguments.case.len() != 1 => summary(&rows),
         Format::Csv => csv(),
         _ => json_text(&rows)?,
     })?;
@@ -99,34 +101,32 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
         outputs.write(&folder.join(PAGE), page(&cases, &rows))?;
         note(&format!("report: {}", folder.join(PAGE).display()));
     }
-    none_fails(&rows)
+    none_of(&rows, |row| row.class.is_failure(), "cases are wrong or broken")
 }
 
 fn cases(arguments: &StabilityArguments) -> Vec<Case> {
-    match (arguments.random, arguments.scene) {
-        (Some(count), _) => (0..count).map(|number| draw_varied(arguments.seed, number)).collect(),
-        (None, Some(kind)) => grid(kind, arguments.grid),
-        (None, None) => Kind::value_variants().iter().flat_map(|&kind| grid(kind, arguments.grid)).collect(),
+    if let Some(count) = arguments.random {
+        return (0..count).map(|number| draw_varied(arguments.seed, number)).collect();
     }
+    let kinds = arguments.scene.as_ref().map_or(Kind::value_variants(), std::slice::from_ref);
+    kinds.iter().flat_map(|&kind| grid(kind, arguments.grid)).collect()
 }
 
 /// Of the case of a number. A setting has two numbers, one for each precision.
 fn effort(arguments: &StabilityArguments, number: usize, case: &Case) -> Effort {
     let ([of_grid, of_random], [setting, beam]) = (MOST_ATTEMPTS, BY_REFERENCE);
-    if arguments.random.is_some() {
-        let by_reference = number.is_multiple_of(beam) || !case.scene.starts_with("bump-stop");
-        Effort { most_attempts: of_random, by_reference }
-    } else {
-        Effort { most_attempts: of_grid, by_reference: (number / 2).is_multiple_of(setting) }
-    }
+    let is_random = arguments.random.is_some();
+    let (number, every, most_attempts) =
+        if is_random { (number, beam, of_random) } else { (number / 2, setting, of_grid) };
+    let by_reference = number.is_multiple_of(every) || is_random && !case.scene.starts_with("bump-stop");
+    Effort { most_attempts, by_reference, chaotic_pairs: arguments.judges / 2 }
 }
 
-fn none_fails(rows: &[Finding]) -> Result<(), Failure> {
-    let count = rows.iter().filter(|row| row.class.is_failure()).count();
-    if count == 0 {
-        return Ok(());
+fn none_of<T>(rows: &[T], fails: impl Fn(&T) -> bool, what: &str) -> Result<(), Failure> {
+    match rows.iter().filter(|row| fails(row)).count() {
+        0 => Ok(()),
+        count => Err(Failure::Step(format!("{count} of {} {what}", rows.len()))),
     }
-    Err(Failure::Step(format!("{count} of {} cases are wrong or broken", rows.len())))
 }
 
 /// Runs all pairs on all cores and prints them.
@@ -151,25 +151,17 @@ fn run_days(kind: Option<Kind>, format: Format) -> Result<(), Failure> {
     bar.finish_and_clear();
     let outcomes = outcomes?;
     let both = outcomes.chunks_exact(2).zip(&pairs);
-    let rows: Result<Vec<Compared>, Failure> =
-        both.map(|(runs, pair)| pair.compared([&runs[0], &runs[1]])).collect();
-    let rows = rows?;
+    let compared = both.map(|(runs, pair)| pair.compared([&runs[0], &runs[1]]));
+    let rows = compared.collect::<Result<Vec<Compared>, Failure>>()?;
     print(&crate::rows::Rows::of(&rows).text(format, |rows| rows.table(presets::NOTHING, &COLUMNS, 2)))?;
-    let apart = rows.iter().filter(|row| !row.agrees()).count();
-    if apart == 0 {
-        Ok(())
-    } else {
-        Err(Failure::Step(format!("{apart} of {} pairs differ by more than they claim", rows.len())))
-    }
+    none_of(&rows, |row| !row.agrees(), "pairs differ by more than they claim")
 }
-
-// Judges a list of cases on all cores. With a file, the row of a case is appended when the case is judged, and a case
-// whose row the file has is not run again. A file with rows of another build is refused.
 
 /// A large odd number: its multiples modulo 2⁶⁴ have no order.
 const SHUFFLE: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The rows of the cases that are asked for, by number.
+/// The rows of the cases that are asked for, by number, judged on all cores. With a file, the row of a case is appended when the
+/// case is judged, and a case whose row the file has is not run again. A file with rows of another build is refused.
 fn judged(
     cases: &[Case],
     is_asked: impl Fn(usize) -> bool,
@@ -224,10 +216,8 @@ fn taken_up(path: &Path, cases: &[Case]) -> Result<(Rows, BTreeMap<usize, Findin
             let rest = "remove it or give another file";
             return Err(format!("has rows of another build ({other}, this one is {own}): {rest}"));
         }
-        match rows.values().find(is_another) {
-            Some(row) => Err(format!("has another case {} than this list of cases", row.number)),
-            None => Ok(()),
-        }
+        let refused = |row: &Finding| Err(format!("has another case {} than this list of cases", row.number));
+        rows.values().find(is_another).map_or(Ok(()), refused)
     })
 }
 
@@ -239,7 +229,7 @@ mod tests {
     use crate::stability::{draw, fnv_1a};
 
     /// Few attempts: most of these cases are given up at once.
-    const EFFORT: Effort = Effort { most_attempts: 10, by_reference: false };
+    const EFFORT: Effort = Effort { most_attempts: 10, by_reference: false, chaotic_pairs: 2 };
 
     fn cases(seed: u64) -> Vec<Case> {
         (0..4).map(|number| draw(seed, number)).collect()

@@ -20,9 +20,6 @@ use crate::scene_file::{Scene, SceneError};
 /// Relative error up to which a run is right, in double and in single precision.
 pub(super) const RIGHT: [f64; 2] = [0.01, 0.02];
 
-/// Pairs of displaced starts by which it is shown that a motion is chaotic, and which judge the mean of an ensemble.
-const PAIRS: [i32; 2] = [2, 16];
-
 /// What became of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -80,6 +77,8 @@ pub struct Effort {
     /// Whether the reference judges, where it comes to its end; otherwise a run of the same method with a tighter
     /// tolerance or shorter steps in double precision.
     pub by_reference: bool,
+    /// Pairs of displaced starts whose accurate runs, with that of the case, judge the mean power of a chaotic motion.
+    pub chaotic_pairs: i32,
 }
 
 /// A run that was judged; a row of a table of cases.
@@ -278,9 +277,10 @@ impl Judge {
     fn ensemble(&self, scene: &Scene, options: &Options, is_chaotic: bool) -> &Ensemble {
         let kind = usize::from(is_chaotic);
         self.ensembles[kind].get_or_init(|| {
-            // The mean alone is needed of the runs of the second.
+            // Two pairs of displaced starts show that a motion is chaotic. The mean alone is needed of the runs of the second.
+            let pairs = [2, self.effort.chaotic_pairs][kind];
             let halvings = [HALVINGS, HALVINGS_OF_MEAN][kind];
-            Ensemble::of(scene, &Options { bare: is_chaotic, ..*options }, PAIRS[kind], halvings)
+            Ensemble::of(scene, &Options { bare: is_chaotic, ..*options }, pairs, halvings)
         })
     }
 
@@ -325,7 +325,7 @@ fn is_finite(outcome: &Outcome) -> bool {
 mod tests {
     use super::*;
 
-    const EFFORT: Effort = Effort { most_attempts: 200_000, by_reference: false };
+    const EFFORT: Effort = Effort { most_attempts: 200_000, by_reference: false, chaotic_pairs: 16 };
 
     fn shipped(changes: &[&str]) -> Case {
         let run = "run={duration_periods=36,settle_periods=20}";
@@ -367,6 +367,22 @@ mod tests {
         let found = judge.finding(Precision::F64);
         assert_eq!(found.class, Class::Wrong, "{found:?}");
         assert!(found.reason.ends_with("instead of 1e0 W"), "{found:?}");
+    }
+
+    #[test]
+    fn a_chaotic_motion_is_judged_by_as_many_runs_as_are_asked_for() {
+        let case = shipped(&[]);
+        let scene = case.read().expect("the shipped scene");
+        let mean = |chaotic_pairs| {
+            let judge = Judge::new(&case, Effort { chaotic_pairs, ..EFFORT });
+            judge.ensemble(&scene, &judge.options, true).mean(Quantity::Power)
+        };
+        let single = tighter(&scene, &Judge::new(&case, EFFORT).options, HALVINGS_OF_MEAN)
+            .expect("runs")
+            .value(Quantity::Power);
+        // Each mean has the displacements of a few starts by 10⁻⁹ in its last digits.
+        assert_eq!(mean(0), single);
+        assert!(mean(1) != mean(3) && relative(mean(3), single) < 1e-6, "{}", mean(3));
     }
 
     #[test]

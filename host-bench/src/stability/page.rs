@@ -236,7 +236,7 @@ mod tests {
             })
             .collect();
         // Given up at once: the rows get their classes below.
-        let effort = Effort { most_attempts: 1, by_reference: false };
+        let effort = Effort { most_attempts: 1, by_reference: false, chaotic_pairs: 16 };
         let mut rows: Vec<Finding> =
             cases.iter().enumerate().flat_map(|case| Finding::judged(&[case], effort)).collect();
         let classes = [Class::Right, Class::Warned, Class::NamedError, Class::Wrong];

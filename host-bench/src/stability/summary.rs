@@ -225,7 +225,7 @@ mod tests {
             "excitation.amplitude_m_per_s2=30",
             "run={duration_s=0.5,settle_s=0}",
         ];
-        let effort = Effort { most_attempts: 100_000, by_reference: false };
+        let effort = Effort { most_attempts: 100_000, by_reference: false, chaotic_pairs: 16 };
         let found = judge(&Case::of("sliding", &changes, Precision::F64), effort);
         assert_eq!(found.class, Class::NamedError, "{found:?}");
         assert_eq!(cause(&found.reason), "left the overlap of the patches");

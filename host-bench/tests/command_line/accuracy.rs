@@ -31,7 +31,8 @@ fn one_random_case_has_the_row_that_it_has_among_all() {
     for number in [1, 4] {
         assert_eq!(rows(&["--case", &number.to_string()]), all[number..=number]);
     }
-    refused(&["stability", "--random", "5", "--case", "5"], &["--case 5", "below the 5 of --random"]);
+    assert_eq!(rows(&["--case", "4,1", "--judges", "200"]), [all[1].clone(), all[4].clone()]);
+    refused(&["stability", "--random", "5", "--case", "0,5"], &["--case 5", "below the 5 of --random"]);
 }
 
 #[test]
