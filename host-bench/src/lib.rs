@@ -22,6 +22,7 @@ pub mod seeds;
 mod shift;
 pub mod simulated_node;
 pub mod stability;
+pub mod validation;
 mod work_precision;
 
 pub use harvester_engine::{embedded, steady_state};

@@ -104,6 +104,8 @@ enum Command {
         after_help = "Run time: that of its samples on all cores, each with its accuracy statement as a point of sweep; --no-accuracy and --single-start leave runs out"
     )]
     Tolerance(tolerance::ToleranceArguments),
+    /// Published measurements beside the models
+    Validation(findings::ValidationArguments),
     /// Error against run time: methods, steps, tolerances, precisions, math backends
     WorkPrecision(work_precision::WorkPrecisionArguments),
     #[cfg(feature = "peers")]
@@ -112,7 +114,7 @@ enum Command {
 }
 
 /// An example of each command for its help.
-const EXAMPLES: [&str; 23] = [
+const EXAMPLES: [&str; 24] = [
     "attractors scene.toml --starts 50 --picture basins.svg",
     "budget node.toml --set node.storage.capacitance_f=300m",
     "closed-form beam.toml --set load.resistance_ohm=33k",
@@ -136,6 +138,7 @@ const EXAMPLES: [&str; 23] = [
     "stop beam.toml --over stop.gap_m=0.1m:0.5m:9",
     "sweep scene.toml --over load.resistance_ohm=100k:1G:41:log --output target/sweep",
     "tolerance scene.toml --vary parameters.mass_kg=±2% --vary load.resistance_ohm=+-5%:normal --at-least 1e-5",
+    "validation --picture validation.svg",
     "work-precision scene.toml --format csv",
 ];
 
@@ -185,6 +188,7 @@ fn main() -> ExitCode {
         Some(Command::Stop(arguments)) => stop::run(arguments),
         Some(Command::Sweep(arguments)) => sweep::run(arguments),
         Some(Command::Tolerance(arguments)) => tolerance::run(arguments),
+        Some(Command::Validation(arguments)) => findings::run_validation(arguments),
         Some(Command::WorkPrecision(arguments)) => work_precision::run(arguments),
         #[cfg(feature = "peers")]
         Some(Command::WorkPrecisionRow(arguments)) => work_precision::run_row(arguments),

@@ -38,4 +38,5 @@ mod command_line {
     mod tool;
     mod trace_columns;
     mod traces;
+    mod validation;
 }

@@ -1,4 +1,5 @@
-//! `findings`: what the two papers find, measured on the shipped scenes.
+//! `findings` and `figures`: what the two papers find, measured on the shipped scenes; `validation`: published measurements
+//! beside the models.
 
 use std::path::PathBuf;
 
@@ -12,6 +13,8 @@ use crate::figures::{self, Chapter, Figure, Subject};
 use crate::findings::{self, Check, Finding, Mark, Row, wanted};
 use crate::method::Failure;
 use crate::outcome::{Format, csv, table};
+use crate::rows::{Column, Digits, Rows};
+use crate::validation;
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Run time: half a minute on two cores")]
@@ -194,4 +197,41 @@ fn aligned(figure: &Figure) -> String {
     let Some((headings, rows)) = figure.table.split_first() else { return String::new() };
     let table = table(presets::NOTHING, headings, rows, headings.len());
     format!("\n{}. {}\n{table}", figure.label, figure.title)
+}
+
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "Run time: a few seconds")]
+pub struct ValidationArguments {
+    /// Write power over load and over the capacitor with the measured points (.svg), or a page with zoom (.html)
+    #[arg(long, value_name = "FILE.svg|.html")]
+    picture: Option<PathBuf>,
+    /// Output format
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Columns of the table.
+const VALIDATION: [Column<'_>; 7] = [
+    ("source", "source", Digits::Word),
+    ("quantity", "quantity", Digits::Word),
+    ("start", "start", Digits::Word),
+    ("measured", "measured", Digits::Six),
+    ("ours", "ours", Digits::Six),
+    ("off %", "relative_difference", Digits::Fixed(100.0, 1)),
+    ("fitted", "fitted", Digits::Choice(["no", "yes"])),
+];
+
+/// Prints each published figure beside that of the model.
+///
+/// # Errors
+/// A picture that cannot be written, a shipped scene that is not found, or a run that stops.
+pub fn run_validation(arguments: &ValidationArguments) -> Result<(), Failure> {
+    let outputs = Outputs::of_shipped(validation::SCENES);
+    outputs.check_picture("--picture", &arguments.picture)?;
+    if let Some(file) = &arguments.picture {
+        outputs.keep(file, validation::picture()?.of_file(file)?);
+    }
+    let rows = Rows::of(&validation::figures()?);
+    print(&rows.text(arguments.format, |rows| rows.table(presets::NOTHING, &VALIDATION, 3)))?;
+    outputs.ended()
 }

@@ -84,6 +84,7 @@ fn slow_commands_state_how_long_they_take() {
         "stability",
         "stop",
         "sweep",
+        "validation",
         "work-precision",
     ];
     for command in slow {
@@ -105,6 +106,7 @@ fn what_people_read_has_at_most_a_hundred_columns() {
         [&["run", beam.as_str()], &few[..]].concat(),
         [&sweep[..], &over].concat(),
         vec!["closed-form", &none],
+        vec!["validation"],
         vec!["needs", PASSIVE, "--accuracy", "0.1"],
         vec!["fit", &fit],
         vec!["resonance", PASSIVE, "--from", "19", "--to", "22"],

@@ -32,3 +32,4 @@ mod small_voltages;
 mod stability;
 mod steady_state;
 mod steady_state_scenes;
+mod validation;
