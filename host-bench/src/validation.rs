@@ -1,6 +1,6 @@
 //! Published measurements beside the models.
 //!
-//! Neither says anything about the force law of a triboelectric scene, the impact or the friction.
+//! Neither of the two measurements says anything about the force law of a triboelectric scene, the impact or the friction.
 
 use serde::Serialize;
 

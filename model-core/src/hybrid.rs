@@ -138,7 +138,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     }
 
     /// Calls `take` with the number of each guard of `mode`, in order, and with the guard. Override it if guards have a part
-    /// in common.
+    /// in common: with the bits of [`Automaton::guard`], and with numbers below 32.
     #[inline(always)]
     fn each_guard<E: Excitation<S>>(
         &self,

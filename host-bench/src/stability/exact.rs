@@ -13,7 +13,7 @@ use crate::shift::{SHIFT, shifted};
 /// Halvings of the tolerance of a triboelectric run, and of the steps of a bump-stop run, that give the tighter run.
 pub(super) const HALVINGS: [u32; 2] = [5, 2];
 /// The same of the runs whose mean is compared: their scatter is above their error by the step.
-pub(super) const HALVINGS_OF_MEAN: [u32; 2] = [3, 1];
+pub(super) const HALVINGS_OF_MEAN: [u32; 2] = [3, 2];
 /// Attempted steps of the tighter run and steps of the reference over those of the run.
 const MORE_ATTEMPTS: u64 = 8;
 /// Tolerance of the reference: its errors are far below what is judged.

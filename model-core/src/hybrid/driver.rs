@@ -119,7 +119,8 @@ impl<M, C> Driver<M, C> {
                         continue;
                     };
                     if let Err((quantity, value)) = automaton.check(state.mode, &taken.trial.end.state) {
-                        if taken.ticks > DOMAIN_TICKS {
+                        // A constant state is outside at any step.
+                        if taken.ticks > DOMAIN_TICKS && taken.trial.end.state != state.point.state {
                             // A shorter step locates where the domain is left.
                             work.rejected += 1;
                             self.control.shorten(&mut state.control, taken.ticks);

@@ -64,7 +64,8 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
                     // The tangent misses the event by the square of the time.
                     let guard = self.guard(index, &trial.end, ticks_after(ticks, missing));
                     let more = guard.value / -guard.rate;
-                    if guard.rate < S::ZERO && more.abs() < missing.abs() {
+                    let is_within = ticks_after(ticks, missing + more) <= search.most;
+                    if guard.rate < S::ZERO && more.abs() < missing.abs() && is_within {
                         self.extend(trial, ticks, more, false);
                         missing += more;
                     }
@@ -72,7 +73,7 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
                 search.ticks = ticks_after(ticks, missing);
             }
         }
-        !search.predicted && self.turns(search, index, &{ trial.end })
+        !search.predicted && self.turns(search, search.event.unwrap_or(index), &{ trial.end })
     }
 
     /// The seconds from the end of an attempt to the first fall of a guard, at most `missing` to that of guard `index`. The

@@ -100,7 +100,7 @@ impl<S: Scalar> Search<S> {
         }
     }
 
-    /// Whether [`Attempts::extend`] is exact to rounding over a time, or the time is below a tick.
+    /// Whether [`Attempts::extend`] is exact to a small part of the error of the step over a time, or the time is below a tick.
     pub(super) fn is_near(&self, seconds: S) -> bool {
         // A bounce that is short against a radian must keep its own energy.
         let part = seconds / seconds_of_ticks(self.ticks);
@@ -117,8 +117,8 @@ impl<S: Scalar> Search<S> {
 
     /// Whether over a time a parabola is exact to a small part of the error of the step and a line is not.
     ///
-    /// The step is then longer than the sixth root of a rounding in radians; the parabola of a much shorter one would be
-    /// that of its roundings. In a boundary layer the derivative at the start is not that of the step.
+    /// The time is above the root of a rounding in radians: the parabola over a much shorter step would be that of its
+    /// roundings. In a boundary layer the derivative at the start is not that of the step.
     fn is_curved(&self, seconds: S) -> bool {
         let part = (seconds / seconds_of_ticks(self.ticks)).abs();
         let radians = (seconds * self.angular_frequency).abs();

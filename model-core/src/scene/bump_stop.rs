@@ -50,7 +50,6 @@
 //! electrodes, which cover the whole length of the beam, remains that of the slope at the tip, `θ_i = ν φ_i'(L_b)`.
 //! The static compliance and the static curvatures of all modes together do not depend on masses; only the curvature under
 //! the base acceleration has the moment `M (L_b + d)` of the body as well.
-
 //!
 //! # Bimorph
 //!

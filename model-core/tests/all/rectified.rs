@@ -96,6 +96,36 @@ fn events_behind_a_bridge_take_few_attempts_and_charge_the_storage_as_short_step
     assert!(gain > 0.1 && (gain / tight.1 - 1.0).abs() < 1e-4, "{gain}");
 }
 
+/// An attempt is extended to an event by its tangent and by a second line, neither beyond the end of a run.
+#[test]
+fn a_run_to_an_instant_near_an_event_ends_there() {
+    #[derive(Default)]
+    struct Events(Vec<Instant>);
+    impl Observer<f64> for Events {
+        fn step(&mut self, _: &AcceptedStep<'_, f64>) {}
+
+        fn event(&mut self, event: &Event<'_, f64>) {
+            self.0.push(event.at);
+        }
+    }
+    let slider = behind(slider::<f64>(f64::INFINITY), storage(1e-6, 5.0), 0.3);
+    let vibration = sine(0.36, 18.373);
+    let driver = Driver::new(ExponentialRadau, adaptive(1e-1));
+    let start = sliding::Start::default();
+    let mut events = Events::default();
+    run(&slider, &start, &vibration, &driver, 0.3, &mut events);
+    assert!(events.0.len() > 30, "{}", events.0.len());
+    for at in &events.0[20..] {
+        for before in [1, 1 << 4, 1 << 8, 1 << 12, 1 << 16, 1 << 20, 1 << 24] {
+            let until = Instant::from_ticks(at.ticks() - before);
+            let mut state =
+                slider.start::<_, _, WHOLE>(&start, &vibration, &driver.control).expect("in bounds");
+            driver.advance(&slider, &mut state, &vibration, until, u32::MAX, &mut ()).expect("runs");
+            assert_eq!(state.clock, until, "{before} ticks before {at:?}");
+        }
+    }
+}
+
 /// One second.
 const WHOLE_SECOND: Instant = Instant::from_whole_seconds(1);
 

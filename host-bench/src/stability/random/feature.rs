@@ -20,7 +20,7 @@ enum Feature {
     Burst,
     /// A start displaced from rest near the resonance of the passive scene, which has several steady motions.
     Attractors,
-    /// Impacts at large amplitudes near the resonance: of the beam nine of ten are chaotic.
+    /// Impacts at large amplitudes near the resonance, nine of ten of the beam.
     Chaos,
 }
 

@@ -116,8 +116,6 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
                 stream.begin_with(sample);
             }
             state.add_unknown(1);
-            let seconds = |samples: u32| S::from_u32(samples) / state.stream.rate();
-            state.response.lose(seconds(state.missing.saturating_add(1)), seconds(self.droop.samples));
             settling = settling.max(S::from_f64(SETTLING_DECAYS) / self.harvester.decay_rate());
             Some(&state.harvester)
         };
@@ -132,6 +130,10 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         state.uncertain = u8::from(uncertain);
         state.settling = (settling * state.stream.rate()).to_u32();
         state.unfiltered = [sample; 2];
+        if state.phase != Phase::Waiting {
+            let seconds = |samples: u32| S::from_u32(samples) / state.stream.rate();
+            state.response.lose(seconds(state.missing.saturating_add(1)), seconds(self.droop.samples));
+        }
         state.missing = 0;
         state.phase = Phase::Following;
         Ok(())

@@ -320,7 +320,8 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
     }
 
     /// If conduction begins above the threshold, with open terminals before, the excess drives a charge through the
-    /// bridge instantaneously, and half of the excess times the charge is lost in the diodes.
+    /// bridge instantaneously, and half of the excess times the charge is lost in the diodes. If it ends with a charge that
+    /// remains, that charge passes at the storage voltage.
     fn jump_energies(
         &self,
         mode: Self::Mode,
@@ -341,6 +342,14 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
             energies[PowerIndex::Load as usize] = transferred * (base + half * at.gained);
             energies[PowerIndex::CurrentMagnitude as usize] = transferred;
             energies[PowerIndex::Diodes as usize] = transferred * (drop + drop + half * excess);
+        } else if mode.regime != BridgeRegime::Blocked && after.mode.regime == BridgeRegime::Blocked {
+            let at = self.electrics(mode, &point.state);
+            let sign: S = mode.regime.sign();
+            let remaining = sign * self.harvester.coulombs() * (after.state[CHARGE] - at.charge);
+            let drop = self.bridge.diode_drop;
+            energies[PowerIndex::Load as usize] = remaining * at.storage_voltage;
+            energies[PowerIndex::CurrentMagnitude as usize] = remaining;
+            energies[PowerIndex::Diodes as usize] = remaining * (drop + drop);
         }
         first_powers(&energies)
     }
@@ -383,5 +392,72 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
     #[inline]
     fn check(&self, mode: Self::Mode, state: &[S; STATES]) -> Result<(), (&'static str, S)> {
         self.harvester.check(mode.inner, &[state[POSITION], state[VELOCITY], state[CHARGE]])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::Instant;
+    use crate::excitation::Sine;
+    use crate::part::draw::{Lockout, PowerDraw};
+    use crate::part::load::OpenCircuit;
+    use crate::part::rectifier::FullBridge;
+    use crate::part::restitution::ConstantRestitution;
+    use crate::part::storage::{Capacitor, StorageCapacitor};
+    use crate::scene::contact_separation::{Choices, Mode as Contact, Parameters};
+
+    #[test]
+    fn the_guards_together_are_those_one_by_one() {
+        let harvester = Parameters {
+            mass: 5e-3,
+            stiffness: 80.0,
+            damping_ratio: 0.005,
+            initial_gap: 3e-3,
+            electrode_area: 4e-4,
+            dielectric_thickness: 5e-5,
+            relative_permittivity: 2.0,
+            charge_density: 50e-6,
+            choices: Choices::new(OpenCircuit, ConstantRestitution { coefficient: 0.75 }),
+        };
+        let storage = StorageCapacitor {
+            capacitor: Capacitor { capacitance: 1e-9, leakage_resistance: 1e9 },
+            initial_voltage: 2.0,
+            draw: PowerDraw { power: 1e-6, lockout: Lockout { turn_on: 4.5, turn_off: 3.0 } },
+        };
+        let bridge = FullBridge { diode_drop: 0.3, storage };
+        let scene = Rectified::new(harvester.build().expect("in bounds"), bridge).expect("in bounds");
+        let vibration = Sine::<f64>::new(2.0, 20.0, 0.3).expect("in bounds");
+        let input = InputAt::new(&vibration, Instant::from_ticks(1 << 30));
+        let regimes = [BridgeRegime::Blocked, BridgeRegime::Forward, BridgeRegime::Backward];
+        for (regime, inner) in
+            regimes.map(|regime| [Contact::Free, Contact::Stick].map(|inner| (regime, inner))).as_flattened()
+        {
+            for (connected, armed) in [(false, false), (false, true), (true, false), (true, true)] {
+                let mode = Mode { inner: *inner, regime: *regime, connected };
+                let mut point = Point {
+                    state: [1e-3, -0.1, 0.2, 2.5],
+                    remainder: [0.0; 4],
+                    derivative: [0.0; 4],
+                    powers: [0.0; 1],
+                };
+                point.derivative = System::<f64, STATES, 1>::flow(
+                    &Automaton::<f64, STATES, 1>::flow(&scene, mode),
+                    &point.state,
+                    0.4,
+                );
+                let mut count = 0;
+                scene.each_guard(mode, armed, &point, &input, |index, guard| {
+                    let alone = scene.guard(mode, index, armed, &point, &input);
+                    assert_eq!(
+                        [guard.value, guard.rate].map(f64::to_bits),
+                        [alone.value, alone.rate].map(f64::to_bits)
+                    );
+                    assert_eq!(index, count);
+                    count += 1;
+                });
+                assert_eq!(count, Automaton::<f64, STATES, 1>::guards(&scene, mode));
+            }
+        }
     }
 }
