@@ -204,7 +204,7 @@ fn the_statements_of_both_precisions_are_alike() {
 /// is lost.
 #[test]
 fn what_single_precision_loses_behind_a_bridge_is_stated() {
-    for (number, least) in [(36, 0.5), (57, 0.02), (109, 0.5), (211, 1e-6), (239, 0.5)] {
+    for (number, least) in [(36, 0.5), (57, 0.02), (211, 1e-6), (239, 0.5)] {
         let scene = draw_varied(407, number).read().expect("a scene");
         let fine = Options { halvings: 5, ..Options::default() };
         let exact = value(run_scene(&scene, &fine).expect("runs").mean_power_w);
