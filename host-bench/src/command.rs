@@ -2,6 +2,7 @@
 
 pub mod attractors;
 pub mod budget;
+pub mod export;
 mod files;
 pub mod findings;
 pub mod fit;

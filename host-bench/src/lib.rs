@@ -5,6 +5,7 @@ mod attractors;
 mod budget;
 pub mod closed_form;
 pub mod command;
+mod export;
 pub mod figures;
 pub mod findings;
 mod fit;

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser};
 use host_bench::command::{
-    attractors, be_quiet, budget, findings, fit, keys, map, needs, node_strategies, on_target, optimise,
-    plot, print, report, resonance, run, stability, stop, sweep, tolerance, work_precision,
+    attractors, be_quiet, budget, export, findings, fit, keys, map, needs, node_strategies, on_target,
+    optimise, plot, print, report, resonance, run, stability, stop, sweep, tolerance, work_precision,
 };
 use host_bench::method::Failure;
 
@@ -42,6 +42,9 @@ enum Command {
     },
     /// Mean power of a beam without a trajectory, and whether that holds
     ClosedForm(run::ClosedFormArguments),
+    /// A scene as a netlist of SPICE: a cantilever without a stop
+    #[command(after_help = "Run time: below a second")]
+    Export(export::ExportArguments),
     /// Rebuild the figures of the two papers: sliding 3 to 6, contact-separation 8 to 11, bump-stop 6 to 11
     Figures(findings::FiguresArguments),
     /// What the two papers find, measured on the shipped scenes
@@ -114,11 +117,12 @@ enum Command {
 }
 
 /// An example of each command for its help.
-const EXAMPLES: [&str; 24] = [
+const EXAMPLES: [&str; 25] = [
     "attractors scene.toml --starts 50 --picture basins.svg",
     "budget node.toml --set node.storage.capacitance_f=300m",
     "closed-form beam.toml --set load.resistance_ohm=33k",
     "completions bash",
+    "export beam.toml --spice harvester.cir --deck harvester_test.cir",
     "figures --only sliding",
     "findings --only 8,9",
     "fit measured.toml --data sweep.csv --free parameters.damping_ratio --output fitted.toml",
@@ -168,6 +172,7 @@ fn main() -> ExitCode {
         Some(Command::Budget(arguments)) => budget::run(arguments),
         Some(Command::Completions { shell }) => completions(*shell),
         Some(Command::ClosedForm(arguments)) => run::run_closed_form(arguments),
+        Some(Command::Export(arguments)) => export::run(arguments),
         Some(Command::Figures(arguments)) => findings::run_figures(arguments),
         Some(Command::Findings(arguments)) => findings::run(arguments),
         Some(Command::Fit(arguments)) => fit::run(arguments),

@@ -7,6 +7,7 @@ mod command_line {
     mod bump_stop;
     mod closed_form;
     mod created_energy;
+    mod export;
     mod figures;
     mod fit;
     mod fit_kinds;

@@ -1,0 +1,145 @@
+//! Scenes as netlists of SPICE: a subcircuit with the terminals of the harvester, and a deck that runs it.
+
+mod cantilever;
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use crate::method::Failure;
+use crate::name::Name;
+use crate::scene_file::{Excitation, KEYS, Load, Model, Override, Scene, Tone, key::Value, number_at};
+
+/// A scene as a subcircuit.
+pub(crate) struct Netlist {
+    /// Equations, signs and accuracy, as lines of a comment.
+    notes: String,
+    parameters: Vec<Parameter>,
+    /// Lines of elements.
+    elements: String,
+    /// Largest time step of the deck, as a part of a period of the excitation.
+    points: f64,
+    /// Options of the deck.
+    options: &'static str,
+}
+
+/// A parameter of a subcircuit.
+struct Parameter {
+    name: String,
+    value: f64,
+    unit: &'static str,
+    meaning: String,
+}
+
+/// What every subcircuit has of terminals and signs.
+const TERMINALS: &str = "p, n  electrical terminals. V(p,n) is the terminal voltage; positive, it drives a current out of p through the load.
+acc   base acceleration as a voltage against node 0, 1 V for 1 m/s^2. Connect a source or a recorded acceleration.
+A transient analysis starts in the state of the scene with the option uic.
+";
+
+impl Netlist {
+    /// The netlist of a scene.
+    ///
+    /// # Errors
+    /// If the scene has parts that no netlist here has.
+    pub(crate) fn new(scene: &Scene) -> Result<Self, Failure> {
+        match &scene.model {
+            Model::BumpStop(model) => cantilever::netlist(scene, model),
+            Model::ContactSeparation(_) | Model::Sliding(_) => Err(Failure::of_file(
+                scene,
+                format!("scene: is {:?}, must be \"bump-stop\" without [stop] for --spice", scene.name()),
+            )),
+        }
+    }
+
+    /// The file of the subcircuit; `command` made it.
+    pub(crate) fn subcircuit(&self, scene: &Scene, overrides: &[Override], command: &str) -> String {
+        let made = format!(
+            "Harvester \"{}\" of {}, made by host-bench {}:\n{command}\n\n",
+            scene.name(),
+            Name::of_file(&scene.file).line(),
+            env!("CARGO_PKG_VERSION")
+        );
+        let mut text = comment(&format!("{made}{TERMINALS}\n{}\n{}", self.notes, values(scene, overrides)));
+        text += ".subckt harvester p n acc params:\n";
+        for Parameter { name, value, unit, meaning } in &self.parameters {
+            let _ = writeln!(text, "+ {name}={value:e} ; {}: {}", ascii(unit), ascii(meaning));
+        }
+        text + &self.elements + ".ends harvester\n"
+    }
+
+    /// A deck that includes the subcircuit from a file in its folder, with load, excitation and window of the scene.
+    ///
+    /// # Errors
+    /// If load or excitation are others than a deck has.
+    pub(crate) fn deck(&self, scene: &Scene, subcircuit: &Path) -> Result<String, Failure> {
+        let refuse = |text: &str| Err(Failure::of_file(scene, text));
+        let Excitation::Sine(Tone { amplitude_m_per_s2, frequency_hz, phase_rad }) = scene.excitation else {
+            return refuse("excitation.kind: must be \"sine\" for --deck");
+        };
+        if !(frequency_hz > 0.0) {
+            return refuse("excitation.frequency_hz: is 0, must be above 0 for --deck");
+        }
+        let ohm = match scene.load {
+            Load::Resistor { resistance_ohm } if resistance_ohm > 0.0 && resistance_ohm.is_finite() => {
+                resistance_ohm
+            }
+            Load::Resistor { .. } => {
+                return refuse(
+                    "load.resistance_ohm: must be above 0 and finite for --deck, which measures its power",
+                );
+            }
+            Load::RectifiedStore(_) | Load::DcBus { .. } => {
+                return refuse("load.kind: must be \"resistor\" for --deck; --spice alone takes any load");
+            }
+        };
+        let (settle, end) = (scene.run.settle_s, scene.run.duration_s);
+        let step = 1.0 / (frequency_hz * self.points);
+        let name = Name::of_file(subcircuit).line();
+        Ok(format!(
+            "* Runs the subcircuit with load, excitation and window of the scene, in this folder: ngspice -b THIS_FILE
+* mean_power_w and rms_voltage_v stand beside those of host-bench run SCENE.
+.include \"{name}\"
+Xharvester p 0 acc harvester
+Vacc acc 0 SIN(0 {amplitude_m_per_s2:e} {frequency_hz:e} 0 0 {:e}) ; m/s^2, Hz, degrees
+Rload p 0 {ohm:e}
+Bpower power 0 V=V(p)*V(p)/{ohm:e} ; W
+.save v(p) v(power)
+.options {}
+.tran {step:e} {end:e} {settle:e} {step:e} uic
+.meas tran mean_power_w AVG v(power) from={settle:e} to={end:e}
+.meas tran rms_voltage_v RMS v(p) from={settle:e} to={end:e}
+.end
+",
+            phase_rad.to_degrees(),
+            self.options,
+        ))
+    }
+}
+
+/// The numbers of a scene's tables of the harvester, with units.
+fn values(scene: &Scene, overrides: &[Override]) -> String {
+    let mut text = "Values of the scene:\n".to_owned();
+    for table in KEYS.kind(scene.name()).map_or(&[][..], |kind| kind.keys) {
+        let Value::Table(keys) = table.value else { continue };
+        for key in keys.keys.iter().filter(|_| ["parameters", "tip_mass"].contains(&table.name)) {
+            let place = format!("{}.{}", table.name, key.name);
+            if let Ok(Some(value)) = number_at(&scene.file, overrides, &place) {
+                let _ = writeln!(text, "{place} = {value:e} {}", key.unit);
+            }
+        }
+    }
+    text
+}
+
+/// Lines as comments.
+fn comment(text: &str) -> String {
+    text.lines().map(|line| format!("* {}", ascii(line)).trim_end().to_owned() + "\n").collect()
+}
+
+/// A text in the letters that every SPICE reads.
+fn ascii(text: &str) -> String {
+    let spelled =
+        [("²", "^2"), ("³", "^3"), ("Ω", "ohm"), ("√", "sqrt "), ("·", " "), ("ε", "eps"), ("−", "-")];
+    let text = spelled.iter().fold(text.to_owned(), |text, (letter, word)| text.replace(letter, word));
+    text.replace(|letter: char| !(letter.is_ascii_graphic() || letter == ' '), "?")
+}
