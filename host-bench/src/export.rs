@@ -1,6 +1,7 @@
 //! Scenes as netlists of SPICE: a subcircuit with the terminals of the harvester, and a deck that runs it.
 
 mod cantilever;
+mod contact_separation;
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -16,7 +17,7 @@ pub(crate) struct Netlist {
     parameters: Vec<Parameter>,
     /// Lines of elements.
     elements: String,
-    /// Largest time step of the deck, as a part of a period of the excitation.
+    /// Time steps of the deck in a period of the excitation.
     points: f64,
     /// Options of the deck.
     options: &'static str,
@@ -44,9 +45,11 @@ impl Netlist {
     pub(crate) fn new(scene: &Scene) -> Result<Self, Failure> {
         match &scene.model {
             Model::BumpStop(model) => cantilever::netlist(scene, model),
-            Model::ContactSeparation(_) | Model::Sliding(_) => Err(Failure::of_file(
+            Model::ContactSeparation(model) => Ok(contact_separation::netlist(model)),
+            Model::Sliding(_) => Err(Failure::of_file(
                 scene,
-                format!("scene: is {:?}, must be \"bump-stop\" without [stop] for --spice", scene.name()),
+                "scene: is \"sliding\", must be \"contact-separation\" or \"bump-stop\" for --spice: a netlist has no dry \
+                 friction with sticking",
             )),
         }
     }
