@@ -20,7 +20,7 @@ use model_core::scalar::Scalar;
 
 use self::controller::Controller;
 use self::income::Income;
-use self::outcome::{ActionOutcome, EstimationOutcome, NodeDay, Sample};
+use self::outcome::{ActionOutcome, EstimationOutcome, NodeDay, Sample, Source};
 use self::plant::{ChargedStorage, LoopedStorage, Plant, StorageAccount, energy_at};
 use crate::accuracy::Statements;
 use crate::embedded::Midnight;
@@ -57,14 +57,22 @@ pub(crate) fn simulate(
     }
 }
 
-/// The numbers of the day of a node for a search over keys, by level and in the precision of firmware, after two days.
+/// The numbers of [`short_day`] for a search over keys.
 pub(crate) fn day_numbers(file: &Path, overrides: &[Override]) -> Result<Fields, Failure> {
+    let (day, source) = short_day(file, overrides)?;
+    Ok(day.numbers(source.stated["accuracy"]["total"].as_f64()))
+}
+
+/// The day of a node, by level and in the precision of firmware, after two days.
+pub(crate) fn short_day(file: &Path, overrides: &[Override]) -> Result<(NodeDay, Source), Failure> {
     let (scene, node) = scene_file::read_with_node(file, overrides)?;
     let mut statements = Statements::default();
     let options = income::options(&scene, Precision::F32, None);
     let income = income::by_level(&scene, &node, &options, &mut statements)?;
     let day = simulate(&node, &income, 2, Precision::F32, None)?;
-    Ok(day.numbers(statements.total()))
+    let (precision, stated) = (Precision::F32.name(), statements.fields(&[]));
+    let scene = scene.name();
+    Ok((day, Source { scene, precision, income: "by-level", learning_days: 2, whole_day: None, stated }))
 }
 
 struct Days<'a> {

@@ -2,6 +2,7 @@
 
 pub mod attractors;
 pub mod budget;
+pub mod design;
 pub mod export;
 mod files;
 pub mod findings;

@@ -5,8 +5,9 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser};
 use host_bench::command::{
-    attractors, be_quiet, budget, export, findings, fit, keys, map, needs, node_strategies, on_target,
-    optimise, plot, print, report, resonance, run, stability, stop, sweep, tolerance, work_precision,
+    attractors, be_quiet, budget, design, export, findings, fit, keys, map, needs, node_strategies,
+    on_target, optimise, plot, print, report, resonance, run, stability, stop, sweep, tolerance,
+    work_precision,
 };
 use host_bench::method::Failure;
 
@@ -74,6 +75,11 @@ enum Command {
         after_help = "Run time: that of the runs: below a second each for triboelectric scenes, some seconds for a beam that hits a stop"
     )]
     Plot(plot::PlotArguments),
+    /// One page on a design: motion, resonance, load curve, margins, stress, tolerance, and the day of its node
+    #[command(
+        after_help = "Run time: that of the run, 82 points of a sweep and 100 samples of a tolerance, on all cores"
+    )]
+    Report(design::ReportArguments),
     /// The frequency at which the steady state of a scene responds most
     #[command(
         after_help = "Run time: below a second for triboelectric scenes, 10 s of one core for bump-stop.toml"
@@ -117,7 +123,7 @@ enum Command {
 }
 
 /// An example of each command for its help.
-const EXAMPLES: [&str; 25] = [
+const EXAMPLES: [&str; 26] = [
     "attractors scene.toml --starts 50 --picture basins.svg",
     "budget node.toml --set node.storage.capacitance_f=300m",
     "closed-form beam.toml --set load.resistance_ohm=33k",
@@ -136,6 +142,7 @@ const EXAMPLES: [&str; 25] = [
     "optimise beam.toml --maximise mean_power_w --over load.resistance_ohm=1k:1M:log --over \
      excitation.frequency_hz=45:60 --steady-state",
     "plot scene.toml --compare load.resistance_ohm=1M,100M --output motion.html",
+    "report scene.toml --vary parameters.mass_kg=±2% --output design.html",
     "resonance scene.toml --from 15 --to 25",
     "run scene.toml --set excitation.amplitude_m_per_s2=0.2g --format json",
     "stability --grid coarse",
@@ -181,6 +188,7 @@ fn main() -> ExitCode {
         Some(Command::Needs(arguments)) => needs::run(arguments),
         Some(Command::New(arguments)) => keys::new(arguments),
         Some(Command::Plot(arguments)) => plot::run(arguments),
+        Some(Command::Report(arguments)) => design::run(arguments),
         Some(Command::Resonance(arguments)) => resonance::run(arguments),
         Some(Command::Run(arguments)) => run::run(arguments),
         Some(Command::NodeStrategies(arguments)) => node_strategies::run(arguments),

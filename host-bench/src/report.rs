@@ -42,18 +42,33 @@ impl Picture {
             .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))
     }
 
-    /// The page; without scripts the SVG stands there.
+    /// The page.
     pub(crate) fn page(&self) -> Result<String, Failure> {
+        if self.charts.is_empty() && self.figure.is_none() {
+            // An error that says so.
+            return self.svg();
+        }
         let mut page = Page::new(&self.title);
+        self.add_to(&mut page)?;
+        Ok(page.html())
+    }
+
+    /// Adds the charts and the text to a page; on paper and without scripts the SVG stands for the charts.
+    pub(crate) fn add_to(&self, page: &mut Page) -> Result<(), Failure> {
         self.charts.iter().for_each(|chart| page.chart(chart));
+        if self.charts.iter().any(|chart| !chart.is_of_page) {
+            let drawn = draw(self.width, "", &self.charts, None);
+            page.still(
+                &drawn.map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))?,
+            );
+        }
         if let Some((_, figure)) = &self.figure {
             page.add(&format!("<figure>{figure}</figure>\n"));
         }
-        page.add(&format!("<noscript><figure>{}</figure></noscript>\n", self.svg()?));
         if !self.text.is_empty() {
             page.add(&format!("<pre>{}</pre>\n", escaped(&self.text)));
         }
-        Ok(page.html())
+        Ok(())
     }
 
     /// What goes into a file of this name: the page if it ends so, else the SVG.
@@ -80,9 +95,7 @@ pub(crate) fn report(comparisons: &[Comparison]) -> Result<String, Failure> {
                 page.add(&format!("<h2>{file}, load: {load}</h2>\n<p>{summary}</p>\n"));
                 let chart = chart(comparison);
                 page.chart(&chart);
-                // Without scripts the picture stands there.
-                let svg = draw(980, "", &[chart], None).map_err(Failure::Input)?;
-                page.add(&format!("<noscript><figure>{svg}</figure></noscript>\n"));
+                page.still(&draw(980, "", &[chart], None).map_err(Failure::Input)?);
                 "mean power"
             }
             Ok(_) => {

@@ -28,6 +28,7 @@ mod command_line {
     mod refused_scenes;
     mod refused_spellings;
     mod refused_traces;
+    mod report;
     mod seeds;
     mod sliding;
     mod statements;

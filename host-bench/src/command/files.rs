@@ -76,16 +76,21 @@ impl Outputs {
         option: &str,
         files: impl IntoIterator<Item = &'p PathBuf>,
     ) -> Result<(), Failure> {
-        for file in files {
-            self.check(option, file)?;
-            let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-            if file != Path::new(STANDARD)
-                && !ending.is_some_and(|ending| ["svg", "html"].contains(&&*ending))
-            {
-                return Err(refusal(option, file, "must end in .svg or .html"));
-            }
+        files.into_iter().try_for_each(|file| self.check_ending(option, file, &["svg", "html"]))
+    }
+
+    /// As [`Outputs::check`], of a page, whose name must end in `.html`.
+    pub(crate) fn check_page(&self, option: &str, file: &Path) -> Result<(), Failure> {
+        self.check_ending(option, file, &["html"])
+    }
+
+    fn check_ending(&self, option: &str, file: &Path, endings: &[&str]) -> Result<(), Failure> {
+        self.check(option, file)?;
+        let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        if file == Path::new(STANDARD) || ending.is_some_and(|ending| endings.contains(&&*ending)) {
+            return Ok(());
         }
-        Ok(())
+        Err(refusal(option, file, &format!("must end in .{}", endings.join(" or ."))))
     }
 
     /// Refuses a folder that could not be made, or in which one of these files could not be written.

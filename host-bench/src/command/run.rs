@@ -111,7 +111,7 @@ pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
 }
 
 /// The picture of a run, recorded every `every_s` s. The lines of a spectrum need a more accurate run than its numbers.
-fn picture(
+pub(super) fn picture(
     file: &Path,
     scene: &Scene,
     (options, every_s): (&Options, f64),

@@ -16,7 +16,7 @@ use self::picture::{Labels, Quantity, picture};
 use self::points::{Point, PointArguments, Points, csv};
 use super::{is_quiet, note, print_line};
 use crate::method::Failure;
-use crate::outcome::Format;
+use crate::outcome::{Format, folded};
 use crate::report::Picture;
 use crate::rows::{Column, Digits};
 
@@ -40,19 +40,14 @@ pub struct SweepArguments {
 /// Bad input at any point refuses the whole sweep before it begins. A point that fails on its way is a row with its
 /// error; the other points are written and printed all the same.
 pub fn run(SweepArguments { points: arguments, axes, compare }: &SweepArguments) -> Result<(), Failure> {
-    let points = Points {
-        arguments,
-        command: "sweep",
-        keys: axes.iter().map(|axis| ("--over", axis.key.as_str())).collect(),
-        count: check_axes(axes)?,
-        values: &|index| values(axes, index),
-        asked: format!("{axes:?}"),
-        compare: *compare,
-    };
+    let points = points(arguments, axes, *compare)?;
     let done = points.run(&[])?;
     let found = &done.points;
     print_notes(axes, &points, found);
-    let picture = picture_of(axes, &points, found)?;
+    let picture = match arguments.output {
+        Some(_) => picture_of(axes, &points, found)?,
+        None => None,
+    };
     let text = match arguments.scene.format {
         Format::Table => table(found),
         Format::Json => format!("{:#}\n", json!(rows_of(found).0)),
@@ -98,11 +93,34 @@ pub(super) fn check_axes(axes: &[Axis]) -> Result<usize, Failure> {
     }
 }
 
+/// The picture of a sweep, with its best point and its warnings as the text.
+pub(super) fn drawn(arguments: &PointArguments, axes: &[Axis]) -> Result<Picture, Failure> {
+    let points = points(arguments, axes, false)?;
+    let found = points.run(&[])?.points;
+    let best = best(&found);
+    let doubt = best.and_then(|best| doubt(axes, &points, best)).into_iter();
+    let warnings = warnings(&found).chain(doubt).map(|warning| format!("warning: {warning}"));
+    let lines: Vec<String> =
+        best.map(best_text).into_iter().chain(warnings).map(|line| folded(&line, 2)).collect();
+    let none = || Failure::Input("no point could be run to its end".to_owned());
+    Ok(Picture { text: lines.join("\n"), ..picture_of(axes, &points, &found)?.ok_or_else(none)? })
+}
+
+/// The points of a grid.
+fn points<'a>(arguments: &'a PointArguments, axes: &'a [Axis], compare: bool) -> Result<Points<'a>, Failure> {
+    Ok(Points {
+        arguments,
+        command: "sweep",
+        keys: axes.iter().map(|axis| ("--over", axis.key.as_str())).collect(),
+        count: check_axes(axes)?,
+        values: Box::new(|index| values(axes, index)),
+        asked: format!("{axes:?}"),
+        compare,
+    })
+}
+
 /// The picture, if there is one.
 fn picture_of(axes: &[Axis], points: &Points<'_>, found: &[Point]) -> Result<Option<Picture>, Failure> {
-    if points.arguments.output.is_none() {
-        return Ok(None);
-    }
     let keys: Vec<&str> = axes.iter().filter(|axis| axis.count() > 1).map(|axis| axis.key.as_str()).collect();
     let title = points.title(found, &keys)?;
     let unstable: Vec<bool> = found.iter().map(Point::is_of_a_run).collect();

@@ -8,10 +8,11 @@ use std::path::PathBuf;
 use comfy_table::presets;
 use serde_json::{Value, json};
 
-use self::sampling::{Correlation, GENERATOR, Sampling, Varied, correlation};
+pub(super) use self::sampling::Varied;
+use self::sampling::{Correlation, GENERATOR, Sampling, correlation};
 use self::statistics::{Sensitivity, percentile, ranks, sensitivities, wilson};
 use super::count;
-use super::sweep::points::{Point, PointArguments, Points};
+use super::sweep::points::{Done, Point, PointArguments, Points};
 use super::sweep::warnings;
 use crate::accuracy::print_warnings;
 use crate::method::Failure;
@@ -64,6 +65,41 @@ pub struct ToleranceArguments {
 /// # Errors
 /// Bad input, of any sample; and after the files were written, a sample that could not be run to its end.
 pub fn run(arguments: &ToleranceArguments) -> Result<(), Failure> {
+    with_samples(arguments, |points, done, found, picture| {
+        let text = match points.arguments.scene.format {
+            Format::Table => found.table(&picture),
+            format => text(&found.fields, format),
+        };
+        points.end(done, Some(&picture), &text)
+    })
+}
+
+/// The picture of samples of some keys, with their statistics as the text.
+pub(super) fn sampled(
+    shared: &PointArguments,
+    varied: Vec<Varied>,
+    samples: usize,
+) -> Result<Picture, Failure> {
+    let arguments = ToleranceArguments {
+        points: shared.clone(),
+        varied,
+        parts: None,
+        correlations: Vec::new(),
+        samples: Some(samples),
+        seed: 0,
+        quantity: "mean_power_w".to_owned(),
+        at_least: None,
+    };
+    with_samples(&arguments, |_, _, found, picture| {
+        Ok(Picture { text: found.table(&Picture::default()).trim_end().to_owned(), ..picture })
+    })
+}
+
+/// Runs the samples, and makes something of them with their picture.
+fn with_samples<T>(
+    arguments: &ToleranceArguments,
+    make: impl FnOnce(&Points<'_>, Done, &Found<'_>, Picture) -> Result<T, Failure>,
+) -> Result<T, Failure> {
     let ToleranceArguments { points: shared, varied, parts, correlations, samples, seed, quantity, .. } =
         arguments;
     if arguments.at_least.is_some_and(|least| !least.is_finite()) {
@@ -81,7 +117,7 @@ pub fn run(arguments: &ToleranceArguments) -> Result<(), Failure> {
         command: "tolerance",
         keys: sampling.keys.iter().map(|one| (option(one), one.key.as_str())).collect(),
         count: samples + 1,
-        values: &|number| sampling.values(number),
+        values: Box::new(|number| sampling.values(number)),
         asked: format!("{sampling:?} {samples}"),
         compare: false,
     };
@@ -95,11 +131,7 @@ pub fn run(arguments: &ToleranceArguments) -> Result<(), Failure> {
     let keys: Vec<&str> = sampling.keys.iter().map(|one| one.key.as_str()).collect();
     let title = points.title(&done.points, &keys)?;
     let picture = Picture { title, width: 900, charts: found.charts(), ..Picture::default() };
-    let text = match shared.scene.format {
-        Format::Table => found.table(&picture),
-        format => text(&found.fields, format),
-    };
-    points.end(done, Some(&picture), &text)
+    make(&points, done, &found, picture)
 }
 
 /// What the samples give.

@@ -18,7 +18,11 @@ table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-num
 th{text-align:left;border-bottom:2px solid #57606a;padding:.3rem .7rem;vertical-align:bottom}\
 td{border-bottom:1px solid #d0d7de;padding:.2rem .7rem;white-space:nowrap}\
 td.number,th.number{text-align:right}tr.beyond td{color:#6e7781}\
-p.note{font-size:.85rem;color:#57606a;margin:.3rem 0}";
+p.note{font-size:.85rem;color:#57606a;margin:.3rem 0}\
+.still{display:none}@media print{.still{display:block;break-inside:avoid}.screen{display:none}\
+body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}pre{white-space:pre-wrap}}";
+/// Without scripts the stills stand for the charts.
+const WITHOUT_SCRIPTS: &str = ".still{display:block}.screen{display:none}";
 
 const LIBRARY: &str = include_str!("uplot/uPlot.iife.min.js");
 const CHART_STYLE: &str = include_str!("uplot/uPlot.min.css");
@@ -30,7 +34,7 @@ border:1px solid #57606a;border-radius:4px;padding:.2rem .5rem;font-size:.8rem;l
 const SCRIPT: &str = include_str!("charts.js");
 
 /// What a reader can do, as a paragraph.
-const HINT: &str = "<p>Drag over a chart to zoom, double-click for all of it. The pointer shows the nearest point; \
+const HINT: &str = "<p class=\"screen\">Drag over a chart to zoom, double-click for all of it. The pointer shows the nearest point; \
 a click on a name hides its curve.</p>\n";
 
 /// A page: its body as it grows, and its charts.
@@ -94,11 +98,14 @@ impl Page {
         if self.charts.is_empty() {
             self.body += HINT;
         }
-        let _ = writeln!(self.body, "<div id=\"chart-{}\"></div>", self.charts.len());
+        // A chart of the page alone has no still.
+        let class = if chart.is_of_page { "" } else { " class=\"screen\"" };
+        let _ = writeln!(self.body, "<div{class}><div id=\"chart-{}\"></div>", self.charts.len());
         self.body += &chart.field.as_ref().map(scale).unwrap_or_default();
         if !chart.note.is_empty() {
             self.note(&chart.note);
         }
+        self.body += "</div>\n";
         let is_curves = !chart.is_orbit && chart.field.is_none();
         self.charts.push(json!({
             "title": chart.title,
@@ -114,6 +121,11 @@ impl Page {
         }));
     }
 
+    /// Adds an SVG that stands for charts on paper and without scripts.
+    pub(crate) fn still(&mut self, svg: &str) {
+        let _ = writeln!(self.body, "<figure class=\"still\">{svg}</figure>");
+    }
+
     /// The page, with style and scripts behind the elements.
     pub(crate) fn html(mut self) -> String {
         if !self.charts.is_empty() {
@@ -127,7 +139,7 @@ impl Page {
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+             <title>{}</title>\n<style>{STYLE}</style>\n<noscript><style>{WITHOUT_SCRIPTS}</style></noscript>\n</head>\n<body>\n{}</body>\n</html>\n",
             escaped(&self.title),
             self.body
         )

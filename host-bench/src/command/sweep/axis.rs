@@ -25,6 +25,11 @@ impl Axis {
         Self { key: key.to_owned(), from, to, count, logarithmic: false }
     }
 
+    /// The same ends, with values spread evenly in their logarithm.
+    pub(in crate::command) fn in_logarithm(self) -> Self {
+        Self { logarithmic: true, ..self }
+    }
+
     /// Number of values.
     pub(in crate::command) fn count(&self) -> usize {
         self.count

@@ -47,6 +47,21 @@ pub(in crate::command) struct PointArguments {
 }
 
 impl PointArguments {
+    /// Each point run once: without an accuracy statement, displaced starts, files and node.
+    pub(in crate::command) fn of_single_runs(scene: SceneArguments) -> Self {
+        let storage_voltage = StorageVoltage { storage_voltage: None };
+        let [steady_state, node] = [false; 2];
+        Self {
+            scene,
+            output: None,
+            steady_state,
+            storage_voltage,
+            node,
+            no_accuracy: true,
+            single_start: true,
+        }
+    }
+
     /// The options of each run.
     pub(in crate::command) fn options(&self) -> Options {
         Options { steady_state: self.steady_state, ..self.scene.options }
@@ -62,7 +77,7 @@ pub(in crate::command) struct Points<'a> {
     pub(in crate::command) keys: Vec<(&'static str, &'a str)>,
     pub(in crate::command) count: usize,
     /// The values of the keys at a point.
-    pub(in crate::command) values: &'a (dyn Fn(usize) -> Vec<f64> + Sync),
+    pub(in crate::command) values: Box<dyn Fn(usize) -> Vec<f64> + Sync + 'a>,
     /// What was asked for beside the arguments: other points are of another command.
     pub(in crate::command) asked: String,
     /// Whether to make the runs beside the steady states.

@@ -17,8 +17,8 @@ pub(super) const GENERATOR: &str = "SplitMix64, normal deviates by Box and Mulle
 
 /// A key that varies: `KEY=±BOUND`, `KEY=±BOUND%`, with `:normal` or without; or a column of measured parts.
 #[derive(Debug, Clone)]
-pub(super) struct Varied {
-    pub(super) key: String,
+pub(in crate::command) struct Varied {
+    pub(in crate::command) key: String,
     /// Its value in the scene.
     pub(super) nominal: f64,
     /// Ends of a uniform distribution about it, or two standard deviations of a normal one; a part of it where it is relative.
