@@ -20,8 +20,9 @@ use crate::outcome::{Fields, Format, Outcome, fields, flattened, text};
 use crate::report::Picture;
 use crate::report::page::{Page, escaped};
 use crate::report::setting::setting;
+use crate::resolution::natural_frequency_hz;
 use crate::rows::Rows;
-use crate::scene_file::{self, Override, number_at};
+use crate::scene_file::{self, Override, Scene, number_at};
 
 const FREQUENCY: &str = "excitation.frequency_hz";
 const RESISTANCE: &str = "load.resistance_ohm";
@@ -89,7 +90,7 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
     let table = limits.table(presets::NOTHING, &limits.plain(), 1);
     let sections = [
         ("Scene", Ok(words(written))),
-        ("Resonance", curve(&points, FREQUENCY, |driven| frequencies(&outcome, driven), false)),
+        ("Resonance", curve(&points, FREQUENCY, |driven| frequencies(&scene, &outcome, driven), false)),
         ("Load curve", curve(&points, RESISTANCE, |load| [0.03 * load, 30.0 * load], true)),
         ("Motion", motion.map(|motion| Picture { text: text(&numbers, Format::Table), ..motion })),
         ("Margins to physical limits", words_if(!limits.0.is_empty(), table, "this method keeps no margins")),
@@ -197,12 +198,8 @@ fn parts(outcome: &Outcome) -> [Fields; 2] {
 
 /// First and last frequency of the resonance curve in Hz: about that of the excitation, and about the lowest natural one where
 /// that is within a factor of 3.
-fn frequencies(outcome: &Outcome, driven: f64) -> [f64; 2] {
-    let natural = match (outcome.contact_separation(), outcome.sliding(), outcome.bump_stop()) {
-        (Some(found), ..) => found.natural_frequency_hz,
-        (_, Some(found), _) => found.natural_frequency_hz,
-        (.., found) => found.and_then(|found| found.beam_natural_frequencies_hz.first().copied()),
-    };
-    let natural = natural.filter(|natural| (driven / 3.0..3.0 * driven).contains(natural)).unwrap_or(driven);
+fn frequencies(scene: &Scene, outcome: &Outcome, driven: f64) -> [f64; 2] {
+    let is_near = |natural: &f64| (driven / 3.0..3.0 * driven).contains(natural);
+    let natural = natural_frequency_hz(scene, outcome).filter(is_near).unwrap_or(driven);
     [0.8 * driven.min(natural), 1.2 * driven.max(natural)]
 }
