@@ -1,5 +1,7 @@
 //! The statement of one run, by source.
 
+use std::f64::consts::TAU;
+
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -7,12 +9,13 @@ use super::ensemble::{chaotic, ensemble};
 use super::warnings::{beyond_threshold, differing_peak};
 use super::{
     Difference, LEAST, Runs, delivers, difference, has_own_steps, has_tolerance, in_double_precision,
-    run_as_it_is,
+    relative, run_as_it_is,
 };
 use crate::command::print_line;
 use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::{Accuracy, Fields, Outcome, fields, standard_error_of_sum};
+use crate::resolution::resonances;
 use crate::run::run_scene;
 use crate::scene_file::{Draw, Excitation, Load, Scene, Tone, Trace};
 
@@ -25,6 +28,10 @@ const TOLERANCE_HALVINGS: u32 = 2;
 const MORE_STEPS: f64 = 1.3;
 /// Length of the steps of a run to compare with over the mean of the run, where another tolerance or step takes hardly more steps.
 const SHORTER: f64 = 2.0 / 3.0;
+/// Mean step in radians of the fastest oscillation above which another tolerance takes hardly more steps: steps end at 0.8.
+const LONGEST: f64 = 0.6;
+/// Relative difference of an RMS voltage from that in double precision above which a run warns.
+const RMS: f64 = 1e-2;
 /// Intervals of the smoother trace in one of the given trace.
 const FINER: usize = 4;
 /// Length of the window over which the sampling error is half as large, in windows.
@@ -62,7 +69,7 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     let between_steps = between.filter(|_| !is_lost && !is_coarse(scene, &double));
     let is_missed = beyond_threshold(scene, alike).is_some();
     let rounding = exact.as_ref().and_then(|exact| difference(outcome, exact));
-    let is_chaotic = chaotic(&mut runs, &double, alike, [between_steps, rounding]);
+    let is_chaotic = !is_missed && chaotic(&mut runs, &double, alike, [between_steps, rounding]);
     let half = finer.as_ref().filter(|_| is_chaotic);
     let found = half.and_then(|half| ensemble(&mut runs, options, outcome, half));
     let coarser = if found.is_none() { by_coarser_steps(&mut runs, &double, alike) } else { 0.0 };
@@ -73,7 +80,8 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
         window.map(|_| outcome.settle_s + HALVING * (outcome.duration_s - outcome.settle_s));
     let finer = finer.as_ref().map_or(&[][..], |(_, finer)| std::slice::from_ref(finer));
     let peaks = differing_peak(outcome, found.as_ref().map_or(finer, |(_, others)| others), found.is_some());
-    outcome.warnings.extend(peaks);
+    let rms = exact.as_ref().filter(|_| found.is_none()).and_then(|exact| lost_rms(outcome, exact));
+    outcome.warnings.extend(peaks.into_iter().chain(rms));
     if let Some((found, _)) = found {
         let [chaos, step] = found.errors();
         if delivers(outcome) {
@@ -91,6 +99,12 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     }
     let is_unknown = is_missed || single && accuracy.rounding.is_none();
     outcome.accuracy = if is_unknown { accuracy } else { accuracy.summed() };
+}
+
+/// The warning of an RMS voltage that is lost in the rounding of single precision: a small difference of large voltages.
+fn lost_rms(outcome: &Outcome, exact: &Outcome) -> Option<String> {
+    let apart = relative(outcome.rms_voltage_v?, exact.rms_voltage_v?)?;
+    (apart > RMS).then(|| format!("rounding: rms_voltage_v differs by {apart:.1e} in double precision"))
 }
 
 /// The relative standard error of the mean over the window, from its parts.
@@ -114,8 +128,9 @@ fn finer(
     }
     let more = if has_tolerance(scene, double) { TOLERANCE_HALVINGS } else { 1 };
     let shorter = Options { halvings: double.halvings + more, ..*double };
-    // Steps end at the samples of a trace at any tolerance.
-    if is_layered || matches!(scene.excitation, Excitation::File(_)) && has_tolerance(scene, double) {
+    // Steps end at the samples of a trace, and the longest ones at a part of a period, at any tolerance.
+    let are_longest = matches!(scene.excitation, Excitation::File(_)) || are_longest(scene, alike);
+    if is_layered || are_longest && has_tolerance(scene, double) {
         return in_shorter_steps(runs, &shorter, alike);
     }
     let found = runs.get(&shorter).filter(|finer| is_comparable(finer, alike));
@@ -168,6 +183,13 @@ fn in_shorter_steps(runs: &mut Runs<'_>, shorter: &Options, alike: &Outcome) -> 
 /// nanoseconds acts throughout its first step; behind a bridge its kilovolts scale the errors of what is left of it.
 fn has_start_charge(scene: &Scene, options: &Options) -> bool {
     has_tolerance(scene, options) && scene.model.summary().start.is_some_and(|[.., charge]| charge.is_some())
+}
+
+/// Whether the steps of a run are mostly as long as the oscillation allows.
+fn are_longest(scene: &Scene, outcome: &Outcome) -> bool {
+    let (natural_hz, _) = resonances(scene, outcome);
+    let fastest_hz = natural_hz.into_iter().chain(scene.excitation.single_frequency()).fold(0.0, f64::max);
+    TAU * fastest_hz * mean_step(scene, outcome) > LONGEST
 }
 
 /// The mean step of a run in s.

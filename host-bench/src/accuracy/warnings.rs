@@ -18,7 +18,7 @@ const UNBALANCED: f64 = 1e-2;
 const PEAK: f64 = 1e-2;
 /// Parts of the energy that a harvester exchanges below which the energy delivered to a resistor, which is quadratic in
 /// the voltage, and through a bridge, which is linear in the charge, are not resolved in double precision.
-const UNRESOLVED: [f64; 2] = [1e-26, 1e-12];
+const UNRESOLVED: [f64; 2] = [1e-26, 1e-14];
 
 /// The warning of a statement that is unknown or notable.
 pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {

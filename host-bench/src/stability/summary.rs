@@ -93,9 +93,14 @@ pub(super) fn statements(rows: &[Finding]) -> Vec<Vec<String>> {
             |column| value(&judged.iter().copied().filter(|row| stands_in(row, column)).collect::<Vec<_>>());
         std::iter::once(name.to_owned()).chain(columns().map(of)).collect()
     };
-    let share = |part: usize, of: usize| format!("{part} / {of}");
     let [false_below, above] = COMPARED;
     let error = |row: &Finding| row.error.unwrap_or(0.0);
+    let share = |part: usize, of: usize| {
+        if of == 0 { "-".to_owned() } else { format!("{:.1} %", 100.0 * part as f64 / of as f64) }
+    };
+    let warned = |rows: &[&Finding]| -> Vec<f64> {
+        rows.iter().filter(|row| row.is_warned).map(|row| error(row)).collect()
+    };
     let ratio = |part: f64| {
         move |rows: &[&Finding]| {
             let compared = rows.iter().filter(|row| error(row) > above);
@@ -117,8 +122,9 @@ pub(super) fn statements(rows: &[Finding]) -> Vec<Vec<String>> {
         line("unknown", &|rows| rows.iter().filter(|row| row.stated.is_none()).count().to_string()),
         line("statement / error, median", &ratio(0.5)),
         line("90th percentile", &ratio(0.9)),
-        line("warned, of them below a tenth", &|rows| {
-            let warned: Vec<f64> = rows.iter().filter(|row| row.is_warned).map(|row| error(row)).collect();
+        line("warned", &|rows| warned(rows).len().to_string()),
+        line("of them right to 5e-4", &|rows| {
+            let warned = warned(rows);
             share(warned.iter().filter(|error| **error < false_below).count(), warned.len())
         }),
         line("chaotic", &|rows| rows.iter().filter(|row| row.is_chaotic).count().to_string()),

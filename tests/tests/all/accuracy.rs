@@ -234,6 +234,23 @@ fn steps_that_agree_by_chance_behind_a_bridge_are_within_the_statement() {
     assert!(error_within_statement(&scene, &single(Options::default()), exact) > 1e-4);
 }
 
+/// Kilovolts of the charges cancel to a tenth of a millivolt: single precision loses the RMS voltage, and nothing else.
+#[test]
+fn an_rms_voltage_of_roundings_is_announced_and_the_mean_power_is_not_doubted() {
+    let store = "{kind='rectified-store',capacitance_f=8e-4,initial_v=0.0,diode_drop_v=0.0,leakage_ohm=inf}";
+    let scene = shipped("contact-separation", &[("load", store), ("run", "{duration_s=0.6,settle_s=0.2}")]);
+    let [lost, exact] = [Precision::F32, Precision::F64].map(|precision| {
+        let found = stated(&scene, &Options { precision: Some(precision), ..Options::default() });
+        assert!(!is_warned(&found), "{:?}", found.warnings);
+        found
+    });
+    let is_announced =
+        |found: &Outcome| found.warnings.iter().any(|text| text.starts_with("rounding: rms_voltage_v"));
+    assert_eq!([&lost, &exact].map(is_announced), [true, false]);
+    assert!(value(lost.rms_voltage_v) > 2.0 * value(exact.rms_voltage_v));
+    assert!((value(lost.mean_power_w) / value(exact.mean_power_w) - 1.0).abs() < 1e-4);
+}
+
 /// A start charge takes runs of three times the steps to compare with.
 #[test]
 fn the_statement_of_a_chaotic_motion_takes_the_work_of_16_runs() {

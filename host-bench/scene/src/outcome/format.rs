@@ -172,10 +172,10 @@ pub fn table<R: Into<Row>>(
             .zip(&whole)
             .map(|(cell, width)| wrapped(cell.content().split_inclusive(BREAKS), "", 0, *width))
             .collect::<Vec<_>>();
-        let fits = has_room(&least);
-        table.set_header(broken).set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH as u16);
-        let columns = table.column_iter_mut().zip(least);
-        for (column, least) in columns.filter(|(column, _)| fits || is_whole(column.index)) {
+        // A table whose longest words have no room is wider: no word is broken.
+        let width = least.iter().map(|width| width + 3).sum::<usize>().max(WIDTH);
+        table.set_header(broken).set_content_arrangement(ContentArrangement::Dynamic).set_width(width as u16);
+        for (column, least) in table.column_iter_mut().zip(least) {
             let width = Width::Fixed((least + usize::from(column.padding_width())) as u16);
             column.set_constraint(ColumnConstraint::LowerBoundary(width));
         }

@@ -10,32 +10,35 @@ use model_core::scene::bump_stop::{
     Restitution, Start, Stepper, Stop,
 };
 
-use super::setup::{Touches, baseline, seconds, vibration};
+use super::setup::{Touches, baseline, seconds, vibration, with_block};
 
 #[test]
 fn energy_is_conserved_by_every_step_without_damping_and_load() {
-    let mut parameters = baseline::<f64>();
-    parameters.damping_ratio = 0.0;
-    parameters.choices.load.0.resistance = f64::INFINITY;
-    parameters.choices.stop.gap = 0.0;
-    let scene = parameters.build::<6, 2>().expect("valid");
-    for step in [1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
-        let stepper = Stepper::with_all_powers(scene, step, step).expect("in bounds");
-        // Bent back by 30 µm at the tip, and let go.
-        let mut start = Start::default();
-        start.beam[0] = [-30e-6 / 31.974_430_7, 0.0];
-        let mut state = scene.start(&start, &Silence).expect("valid");
-        let mut ledger = Ledger::open(&stepper.outputs(&state));
-        let mut meter = RunMeter::new();
-        let before: f64 = stepper.outputs(&state).stored.total();
-        let duration = if step < 5e-7 { 0.02 } else { 0.5 };
-        stepper
-            .advance(&mut state, &Silence, seconds(duration), u32::MAX, &mut (&mut ledger, &mut meter))
-            .expect("runs");
-        let after: f64 = stepper.outputs(&state).stored.total();
-        assert!(meter.report().contacts >= 12, "{step}: {} contacts", meter.report().contacts);
-        assert!((after / before - 1.0).abs() < 2e-11, "{step}: {}", after / before - 1.0);
-        assert!(ledger.residual().total().expect("energy") < 2e-11);
+    let tips = [(baseline::<f64>(), 1.0), (with_block(), 1.0), (with_block(), 0.5)];
+    for (mut parameters, position) in tips {
+        parameters.damping_ratio = 0.0;
+        parameters.choices.load.0.resistance = f64::INFINITY;
+        parameters.choices.stop.gap = 0.0;
+        parameters.choices.stop.position = position * parameters.beam_length;
+        let scene = parameters.build::<6, 2>().expect("valid");
+        let tip = parameters.beam_mode(1).shape(1.0).value;
+        for step in [1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
+            let stepper = Stepper::with_all_powers(scene, step, step).expect("in bounds");
+            // Bent back by 30 µm at the tip, and let go.
+            let mut start = Start::default();
+            start.beam[0] = [-30e-6 / tip, 0.0];
+            let mut state = scene.start(&start, &Silence).expect("valid");
+            let (mut ledger, mut meter) = (Ledger::open(&stepper.outputs(&state)), RunMeter::new());
+            let before: f64 = stepper.outputs(&state).stored.total();
+            let duration = if step < 5e-7 { 0.02 } else { 0.5 };
+            stepper
+                .advance(&mut state, &Silence, seconds(duration), u32::MAX, &mut (&mut ledger, &mut meter))
+                .expect("runs");
+            let after: f64 = stepper.outputs(&state).stored.total();
+            assert!(meter.report().contacts >= 4, "{step}: {} contacts", meter.report().contacts);
+            assert!((after / before - 1.0).abs() < 4e-11, "{position} {step}: {}", after / before - 1.0);
+            assert!(ledger.residual().total().expect("energy") < 4e-11);
+        }
     }
 }
 
@@ -47,18 +50,22 @@ fn with_damping_load_and_shaking_the_ledger_closes() {
         (1e-6, AnyContact::DisplacementConstraint),
         (1e-6, AnyContact::Restitution(Restitution { coefficient: 0.5 })),
     ] {
-        for coupling in [AnyCoupling::TwoWay, AnyCoupling::OneWay] {
-            let mut parameters = baseline::<f64>();
+        let scenes = [baseline::<f64>(), with_block()]
+            .map(|it| [(AnyCoupling::TwoWay, it), (AnyCoupling::OneWay, it)]);
+        for (coupling, mut parameters) in scenes.into_iter().flatten() {
             parameters.choices.stop.contact = contact;
             parameters.choices.coupling = coupling;
             let scene = parameters.build::<6, 2>().expect("valid");
             let stepper = Stepper::with_all_powers(scene, step, step.max(2e-5)).expect("in bounds");
             let excitation = vibration();
             let mut state = scene.start(&Start::default(), &excitation).expect("valid");
-            let mut ledger = Ledger::open(&stepper.outputs(&state));
-            stepper.advance(&mut state, &excitation, seconds(0.05), u32::MAX, &mut ledger).expect("runs");
+            let (mut ledger, mut meter) = (Ledger::open(&stepper.outputs(&state)), RunMeter::new());
+            stepper
+                .advance(&mut state, &excitation, seconds(0.05), u32::MAX, &mut (&mut ledger, &mut meter))
+                .expect("runs");
             let residual = ledger.residual().largest().expect("work");
             assert!(residual < 1e-13, "{step} {contact:?} {coupling:?}: {residual}");
+            assert!(meter.report().contacts > 3, "{step} {contact:?}");
             let [base_work, damped] =
                 [PowerIndex::Base, PowerIndex::Dissipation].map(|power| ledger.integrals().integral(power));
             assert!(base_work > 0.0 && damped > 0.0);

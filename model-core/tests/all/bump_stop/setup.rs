@@ -6,7 +6,7 @@ use model_core::excitation::{Excitation, Sine};
 use model_core::observer::{AcceptedStep, Observer, PowerIndex};
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
-use model_core::scene::bump_stop::{Parts, Start, Stepper};
+use model_core::scene::bump_stop::{AnyChoices, Parameters, Parts, Start, Stepper, TipMass};
 
 /// The baseline.
 pub(super) use crate::common::harvesters::bump_parameters as baseline;
@@ -70,4 +70,21 @@ impl Observer<f64> for Touches {
         }
         self.touching = touches && to > 0.0;
     }
+}
+
+/// A steel block of 8 × 10 × 5 mm behind the end of the beam.
+pub(super) fn block<S: Scalar>() -> TipMass<S> {
+    let mass = 7850.0 * 8e-3 * 10e-3 * 5e-3;
+    TipMass {
+        mass: S::from_f64(mass),
+        rotary_inertia: S::from_f64(mass * (8e-3 * 8e-3 + 5e-3 * 5e-3) / 12.0),
+        offset: S::from_f64(4e-3),
+    }
+}
+
+/// The baseline with the block at its tip.
+pub(super) fn with_block<S: Scalar>() -> Parameters<S, AnyChoices<S>> {
+    let mut parameters = baseline::<S>();
+    parameters.choices.tip_mass = Some(block());
+    parameters
 }

@@ -1,37 +1,18 @@
-//! The beam with a tip mass: static deflection, the linear response, energy, bits, bounds.
+//! The beam with a tip mass: static deflection, the linear response, bits, bounds.
 
-use model_core::energy::{Ledger, RunMeter};
-use model_core::excitation::{Silence, Sine};
+use model_core::excitation::Sine;
 use model_core::part::load::{Resistor, ShortCircuit};
-use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{
-    AnyChoices, AnyContact, AnyCoupling, Choices, ClampBending, Parameters, Resistive, Restitution, Start,
-    Stepper, TipMass,
+    AnyChoices, AnyCoupling, Choices, ClampBending, Parameters, Resistive, Start, Stepper, TipMass,
 };
 
-use super::setup::{baseline, close, measured, seconds, vibration};
+use super::setup::{baseline, block, close, measured, seconds, vibration, with_block};
 
 /// Length in m, mass in kg and stiffness in N·m² of the beam.
 const LENGTH: f64 = 0.05;
 const BEAM_MASS: f64 = 0.078_25 * LENGTH;
 const RIGIDITY: f64 = 0.089_738_408_5;
-
-/// A steel block of 8 × 10 × 5 mm behind the end of the beam.
-fn block<S: Scalar>() -> TipMass<S> {
-    let mass = 7850.0 * 8e-3 * 10e-3 * 5e-3;
-    TipMass {
-        mass: S::from_f64(mass),
-        rotary_inertia: S::from_f64(mass * (8e-3 * 8e-3 + 5e-3 * 5e-3) / 12.0),
-        offset: S::from_f64(4e-3),
-    }
-}
-
-fn with_block<S: Scalar>() -> Parameters<S, AnyChoices<S>> {
-    let mut parameters = baseline::<S>();
-    parameters.choices.tip_mass = Some(block());
-    parameters
-}
 
 /// Other choices in place of those of the baseline.
 fn chosen<C>(choices: C) -> Parameters<f64, C> {
@@ -115,62 +96,6 @@ fn the_steady_run_is_the_closed_form() {
             let found = measured(&stepper, &vibration, 0.35, end);
             close(found.mean_power(), exact.mean_power, 1e-4);
             close(found.report().coordinate.magnitude(), exact.amplitude, 1e-4);
-        }
-    }
-}
-
-#[test]
-fn energy_is_conserved_by_every_step_without_damping_and_load() {
-    for position in [LENGTH, 0.5 * LENGTH] {
-        let mut parameters = with_block::<f64>();
-        parameters.damping_ratio = 0.0;
-        parameters.choices.load.0.resistance = f64::INFINITY;
-        (parameters.choices.stop.gap, parameters.choices.stop.position) = (0.0, position);
-        let scene = parameters.build::<6, 2>().expect("valid");
-        let tip = parameters.beam_mode(1).shape(1.0).value;
-        for step in [1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
-            let stepper = Stepper::with_all_powers(scene, step, step).expect("in bounds");
-            // Bent back by 30 µm at the tip, and let go.
-            let mut start = Start::default();
-            start.beam[0] = [-30e-6 / tip, 0.0];
-            let mut state = scene.start(&start, &Silence).expect("valid");
-            let mut ledger = Ledger::open(&stepper.outputs(&state));
-            let mut meter = RunMeter::new();
-            let before: f64 = stepper.outputs(&state).stored.total();
-            let duration = if step < 5e-7 { 0.02 } else { 0.2 };
-            let observer = &mut (&mut ledger, &mut meter);
-            stepper.advance(&mut state, &Silence, seconds(duration), u32::MAX, observer).expect("runs");
-            let after: f64 = stepper.outputs(&state).stored.total();
-            assert!(meter.report().contacts >= 4, "{step}: {} contacts", meter.report().contacts);
-            assert!((after / before - 1.0).abs() < 4e-11, "{position} {step}: {}", after / before - 1.0);
-            assert!(ledger.residual().total().expect("energy") < 4e-11);
-        }
-    }
-}
-
-#[test]
-fn with_damping_load_and_shaking_the_ledger_closes() {
-    for (step, contact) in [
-        (1e-6, AnyContact::ResidualFlexibility),
-        (1e-5, AnyContact::ResidualFlexibility),
-        (1e-6, AnyContact::DisplacementConstraint),
-        (1e-6, AnyContact::Restitution(Restitution { coefficient: 0.5 })),
-    ] {
-        for coupling in [AnyCoupling::TwoWay, AnyCoupling::OneWay] {
-            let mut parameters = with_block::<f64>();
-            parameters.choices.stop.contact = contact;
-            parameters.choices.coupling = coupling;
-            let scene = parameters.build::<6, 2>().expect("valid");
-            let stepper = Stepper::with_all_powers(scene, step, step.max(2e-5)).expect("in bounds");
-            let excitation = vibration();
-            let mut state = scene.start(&Start::default(), &excitation).expect("valid");
-            let mut ledger = Ledger::open(&stepper.outputs(&state));
-            let mut meter = RunMeter::new();
-            let observer = &mut (&mut ledger, &mut meter);
-            stepper.advance(&mut state, &excitation, seconds(0.05), u32::MAX, observer).expect("runs");
-            let residual = ledger.residual().largest().expect("work");
-            assert!(residual < 1e-13, "{step} {contact:?} {coupling:?}: {residual}");
-            assert!(meter.report().contacts > 3, "{step} {contact:?}");
         }
     }
 }
