@@ -119,15 +119,20 @@ fn factor(key: &str) -> f64 {
 /// The relative error of the sum of the energies delivered in both halves of the window of a scene, in which a run by the
 /// same options delivered `energy_j`; `None` if a half cannot be run.
 pub(super) fn split_error(scene: &Scene, options: &Options, energy_j: f64) -> Option<f64> {
-    let run = &scene.run;
+    let [first, second] =
+        halves(scene).map(|half| run_scene(&half, options).ok().and_then(|run| run.delivered_energy_j));
+    Some(((first? + second? - energy_j) / energy_j).abs())
+}
+
+/// The scene over the first and over the second half of its window.
+pub(super) fn halves(scene: &Scene) -> [Scene; 2] {
+    let run = scene.run;
     let middle_s = 0.5 * (run.settle_s + run.duration_s);
-    let half = |settle_s: f64, duration_s: f64| {
-        let mut part = scene.clone();
-        (part.run.settle_s, part.run.duration_s) = (settle_s, duration_s);
-        run_scene(&part, options).ok()?.delivered_energy_j
-    };
-    let sum = half(run.settle_s, middle_s)? + half(middle_s, run.duration_s)?;
-    Some(((sum - energy_j) / energy_j).abs())
+    [(run.settle_s, middle_s), (middle_s, run.duration_s)].map(|(settle_s, duration_s)| {
+        let mut half = scene.clone();
+        (half.run.settle_s, half.run.duration_s) = (settle_s, duration_s);
+        half
+    })
 }
 
 #[cfg(test)]
