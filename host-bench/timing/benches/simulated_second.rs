@@ -1,8 +1,10 @@
-//! One simulated second of the shipped contact-separation scene, from 1 s to 2 s: 20 impacts or so.
+//! One simulated second of the shipped contact-separation scene, from 1 s to 2 s: 20 impacts or so; the reference from rest.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use harvester_reference::ReferenceOptions;
+use harvester_scene::scene_file::{self, Override};
 use harvester_timing::{Runner, any, shipped};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::contact_separation::{ContactSeparation, Parts};
@@ -51,6 +53,15 @@ fn seconds(criterion: &mut Criterion) {
             any::<f64, Polynomial>(1e8),
             tolerance,
         );
+    }
+    let run = Override::new("run", "{duration_s=1.0,settle_s=0.0}");
+    let scene =
+        scene_file::read(&scene_file::shipped("contact-separation"), &[run]).expect("a shipped scene");
+    for tolerance in [1e-6, 1e-12] {
+        let options = ReferenceOptions { tolerance, ..ReferenceOptions::default() };
+        criterion.bench_function(&format!("second/f64/{tolerance:e}/reference"), |bencher| {
+            bencher.iter(|| harvester_reference::run(black_box(&scene), &options).expect("runs"));
+        });
     }
 }
 
