@@ -24,3 +24,11 @@ pub use response_map::{Response, ResponseMap};
 pub use storage::{Storage, StorageParameters};
 
 pub use crate::part::storage::Capacitor;
+
+/// Its fingerprint and checksum, not its words.
+#[cfg(feature = "defmt")]
+impl<W: response_map::WordSource> defmt::Format for ResponseMap<W> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "ResponseMap {=u32:#x} {=u32:#x}", self.fingerprint(), self.checksum());
+    }
+}

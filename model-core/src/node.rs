@@ -28,7 +28,10 @@ pub use board::{Board, Fault, Runner, SaveError, Step};
 pub use map::{
     Bursts, Finding, MapNode, MapParameters, MapState, NodeError, OutputPower, PredictedPower, Sensor,
 };
-pub use tier::{IncomeOfTime, Outage, Progress, StoreReading, Task, Tier, Wake};
+pub use tier::{
+    ActionStatus, IncomeOfTime, Outage, PowerSource, Progress, Status, StoreReading, Task, TaskAccount,
+    TaskLedger, Tier, Wake,
+};
 pub use voltage::{
     BatteryElement, CapacitorElement, Element, Tolerances, VoltageNode, VoltageParameters, VoltageState,
 };
@@ -81,6 +84,15 @@ pub struct Converter {
     pub full_scale: f32,
     /// Standard deviation of the noise of a reading in V, independent from reading to reading, 0 to `full_scale`.
     pub noise: f32,
+}
+
+impl Converter {
+    /// The code of a voltage of the storage in V, for a driver that gives volts or millivolts: the nearest one, 0 for not-a-number.
+    #[must_use]
+    pub fn code(&self, voltage: f32) -> u32 {
+        let codes = 1_u32.checked_shl(self.bits).unwrap_or(0);
+        (voltage / self.full_scale * real(codes) + 0.5).to_u32().min(codes.saturating_sub(1))
+    }
 }
 
 /// Names of the numbers of the first actions in errors; the last ones stand for all others.

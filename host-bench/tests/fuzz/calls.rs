@@ -226,7 +226,7 @@ fn judge_books([stored, bound]: [f32; 2], [power, error]: [f32; 2]) {
 fn a_node_by_the_voltage() {
     let node = voltage_node();
     fuzz("calls of a node, voltage", 2500, |bytes| {
-        call_node(bytes, &node, |state| judge_books(node.stored(state), state.power()))
+        call_node(bytes, &node, |state| judge_books(node.stored(state), node.power(state)))
     });
 }
 

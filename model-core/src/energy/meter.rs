@@ -68,6 +68,7 @@ impl<S: Scalar> Integrals<S> {
 
 /// The meter of a sensor node: energy delivered to the load, and mean power.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PowerMeter<S> {
     delivered: CompensatedSum<S>,
     ticks: u64,

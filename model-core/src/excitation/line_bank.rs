@@ -88,6 +88,7 @@ pub struct LineBank<const M: usize, const P: usize> {
 
 /// The sums of a [`LineBank`] between two samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LineBankState<const P: usize> {
     /// Samples of this section so far.
     place: u32,

@@ -21,7 +21,7 @@ mod tests;
 pub use finding::{Finding, OutputPower, PredictedPower};
 pub use parameters::{Bursts, MapParameters, NodeError, Sensor};
 
-use super::tier::{BOUND, IncomeOfTime, StoreReading};
+use super::tier::{ActionStatus, BOUND, IncomeOfTime, PowerSource, Status, StoreReading};
 use super::voltage::{BatteryElement, CapacitorElement, Element};
 use super::voltage::{Beside, VoltageEstimate};
 use super::{HOUR, Outage, Progress, Task, Tier, VoltageNode, VoltageState, Wake, real};
@@ -63,6 +63,7 @@ pub struct MapNode<
 
 /// The state of a [`MapNode`]: all that it has learnt, and a burst that is under way.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MapState<const P: usize, const ACTIONS: usize> {
     voltage: VoltageState<ACTIONS>,
     burst: Burst<P>,
@@ -96,6 +97,7 @@ pub struct MapState<const P: usize, const ACTIONS: usize> {
 
 /// A burst under way.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Burst<const P: usize> {
     bank: LineBankState<P>,
     blocks: Blocks,
@@ -251,16 +253,20 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
     /// Harvested power in W and its bound: by the last burst, or by the last two readings where that bound is smaller.
     #[must_use]
     pub fn power(&self, state: &MapState<P, ACTIONS>) -> [f32; 2] {
-        let [stored, bound] = state.voltage.power();
-        let by_voltage = [self.voltage.harvested(stored), self.voltage.harvested(bound)];
+        self.power_by_map(state).unwrap_or_else(|| self.voltage.power(&state.voltage))
+    }
+
+    /// The same by the last burst; `None` where it has no value, or the voltage the smaller bound.
+    fn power_by_map(&self, state: &MapState<P, ACTIONS>) -> Option<[f32; 2]> {
+        let [_, by_voltage] = self.voltage.power(&state.voltage);
         let OutputPower { value, systematic, .. } = state.latest.output;
         let systematic = systematic * value * state.gain;
         let variance = state.gain * state.gain * state.latest.variance(self.largest())
             + state.of_gain * value * value
             + systematic * systematic;
         let bound = BOUND * Scalar::sqrt(variance);
-        let by_reading = state.voltage.last_reading() == Some(StoreReading::Used) && by_voltage[1] <= bound;
-        if by_reading || !state.latest.is_known { by_voltage } else { [state.gain * value, bound] }
+        let by_reading = state.voltage.last_reading() == Some(StoreReading::Used) && by_voltage <= bound;
+        (state.latest.is_known && !by_reading).then_some([state.gain * value, bound])
     }
 
     fn largest(&self) -> f32 {
@@ -566,6 +572,20 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
 
     fn samples_lost(&self, state: &mut MapState<P, ACTIONS>) {
         state.burst.blocks.is_damaged = true;
+    }
+
+    fn status(&self, state: &MapState<P, ACTIONS>) -> Status {
+        let status = self.voltage.status(&state.voltage);
+        let Some([power, power_bound]) = self.power_by_map(state) else { return status };
+        Status { power, power_bound, power_age: state.latest.seconds, source: PowerSource::Map, ..status }
+    }
+
+    fn action(&self, state: &MapState<P, ACTIONS>, index: usize) -> Option<ActionStatus> {
+        self.voltage.action(&state.voltage, index)
+    }
+
+    fn book(&self, state: &mut Self::State, energy: f32) -> Result<(), ParameterError<f32>> {
+        self.voltage.book(&mut state.voltage, energy)
     }
 }
 

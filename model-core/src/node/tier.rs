@@ -1,6 +1,8 @@
 //! What a board needs of a node, whatever the node needs to know, and the estimates of each node.
 
-use super::Finding;
+use super::{Finding, Regular};
+use crate::bounds::{Bounds, ParameterError};
+use crate::scalar::add_increment;
 use crate::snapshot::{Configuration, snapshot_fields, snapshot_variants};
 
 /// Standard deviations in a bound. The vibration of machines jumps more often than a normal distribution has it: two would
@@ -34,6 +36,143 @@ pub trait Tier: Configuration {
 
     /// Says that samples were lost, for example by an overrun of the FIFO: the burst goes on and gives no value.
     fn samples_lost(&self, _state: &mut Self::State) {}
+
+    /// What the node knows now.
+    fn status(&self, state: &Self::State) -> Status;
+
+    /// The action with this index; `None` without one.
+    fn action(&self, state: &Self::State, index: usize) -> Option<ActionStatus>;
+
+    /// Books energy in J at the load, −10⁶ to 10⁶, that has left the storage beside what is stated; a negative one was booked and has
+    /// not left it, as of an action that failed. Call it before the voltage is read again.
+    ///
+    /// # Errors
+    /// An energy outside its bounds; nothing is booked then.
+    fn book(&self, state: &mut Self::State, energy: f32) -> Result<(), ParameterError<f32>>;
+}
+
+/// What a node knows now. Bounds are two and a half standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct Status {
+    /// Voltage of the storage in V, of a battery the open-circuit one, without the income since the last reading that was used.
+    pub voltage: f32,
+    /// Stored energy in J without that income, at least 0.
+    pub energy: f32,
+    /// Bound of its error in J: infinite before the first reading, and after an outage that no clock knows.
+    pub energy_bound: f32,
+    /// Seconds since that reading.
+    pub energy_age: u32,
+    /// Energy in J between the lock-out and a storage that may be full, above 0.
+    pub room: f32,
+    /// Part of the room that has energy, 0 to 1.
+    pub charge: f32,
+    /// Harvested power in W before the charging efficiency, at least 0.
+    pub power: f32,
+    /// Bound of its error in W.
+    pub power_bound: f32,
+    /// Seconds since the reading or the burst that it is by.
+    pub power_age: u32,
+    /// By what the power is known.
+    pub source: PowerSource,
+}
+
+/// By what a power is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum PowerSource {
+    /// Nothing: it is 0, with the largest power as its bound.
+    Unknown,
+    /// The power of before, as the last reading gave none; the bound includes any up to the largest one.
+    Assumed,
+    /// Two readings of the voltage: the mean between them.
+    Voltage,
+    /// The last burst, by the map.
+    Map,
+}
+
+/// An action as a node sees it now.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ActionStatus {
+    /// As stated.
+    pub stated: Regular,
+    /// Seconds since it ran, or since the start. It is due from [`Regular::every`] on.
+    pub rested: u32,
+    /// Whether the storage allows it; not before the first reading.
+    pub is_affordable: bool,
+}
+
+/// Counts of an action.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TaskAccount {
+    /// Times that it was carried out.
+    pub done: u32,
+    /// Times that it failed.
+    pub failed: u32,
+    /// Times [`Regular::every`] that it was due and the storage did not allow it, with those of an outage.
+    pub refused: u32,
+    /// Energy in J at the load that those done and failed took, within 10⁻⁷ of it.
+    pub energy: f32,
+    /// What rounding removed from it.
+    rounded: f32,
+    /// Refused since it ran.
+    waiting: u32,
+}
+
+/// Counts of each action of a node, which the firmware keeps: neither the state nor its images have them.
+///
+/// An action in which the storage browned out is not entered: after [`Outage::LockedOutUntil`] any draw is within the bound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TaskLedger<const ACTIONS: usize> {
+    /// By the index of the action.
+    pub tasks: [TaskAccount; ACTIONS],
+}
+
+impl<const ACTIONS: usize> TaskLedger<ACTIONS> {
+    /// Without any count.
+    pub const EMPTY: Self = Self {
+        tasks: [TaskAccount { done: 0, failed: 0, refused: 0, energy: 0.0, rounded: 0.0, waiting: 0 };
+            ACTIONS],
+    };
+
+    /// Counts an action after [`Task::Run`] and before the voltage is read again. It took `used` J at the load, 0 to 10⁶, also if it failed;
+    /// the node's books have that then in place of the stated energy.
+    ///
+    /// # Errors
+    /// An index or an energy outside its bounds; nothing is counted then.
+    pub fn enter<N: Tier>(
+        &mut self,
+        node: &N,
+        state: &mut N::State,
+        index: usize,
+        used: f32,
+        has_failed: bool,
+    ) -> Result<(), ParameterError<f32>> {
+        Bounds::new(0.0, ACTIONS as f64 - 1.0).check("index", index as f32)?;
+        Bounds::new(0.0, 1e6).check("used", used)?;
+        if let (Some(task), Some(action)) = (self.tasks.get_mut(index), node.action(state, index)) {
+            node.book(state, used - action.stated.energy)?;
+            let count = if has_failed { &mut task.failed } else { &mut task.done };
+            *count = count.saturating_add(1);
+            (task.energy, task.rounded) = add_increment(task.energy, task.rounded, used);
+        }
+        Ok(())
+    }
+
+    /// Counts what the storage refuses, after each [`Tier::wake`].
+    pub fn watch<N: Tier>(&mut self, node: &N, state: &N::State) {
+        for (index, task) in self.tasks.iter_mut().enumerate() {
+            let Some(action) = node.action(state, index) else { continue };
+            let times = action.rested.checked_div(action.stated.every).unwrap_or(0);
+            let refused = if action.is_affordable { 0 } else { times.saturating_sub(task.waiting) };
+            task.refused = task.refused.saturating_add(refused);
+            task.waiting = task.waiting.min(times).saturating_add(refused);
+        }
+    }
 }
 
 /// What to do now.

@@ -23,9 +23,9 @@ pub(super) use beside::{Beside, VoltageEstimate};
 pub use element::{BatteryElement, CapacitorElement, Element};
 pub use parameters::{Tolerances, VoltageParameters};
 
-use super::Regular;
-use super::tier::{BOUND, IncomeOfTime, StoreReading};
-use super::{HOUR, Outage, Task, Tier, Wake, real};
+use super::tier::{ActionStatus, BOUND, IncomeOfTime, PowerSource, Status, StoreReading};
+use super::{HOUR, Outage, Regular, Task, Tier, Wake, real};
+use crate::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint, snapshot_fields};
 
@@ -40,6 +40,7 @@ const ROUNDING: f32 = 1e-5;
 
 /// A node that knows its income by the voltage of its storage, a capacitor or a battery. Energies are in J at the storage.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VoltageNode<const ACTIONS: usize, E: Element = CapacitorElement> {
     parameters: VoltageParameters<ACTIONS>,
     element: E,
@@ -65,6 +66,7 @@ pub struct VoltageNode<const ACTIONS: usize, E: Element = CapacitorElement> {
 
 /// The energies of a time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Books {
     seconds: u32,
     silent: u32,
@@ -103,6 +105,7 @@ impl Books {
 
 /// The state of a [`VoltageNode`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VoltageState<const ACTIONS: usize> {
     second: u32,
     /// The stored energy in J at the last reading that was used, its variance, and whether it is known.
@@ -150,13 +153,6 @@ impl<const ACTIONS: usize> VoltageState<ACTIONS> {
     #[must_use]
     pub fn last_hour(&self) -> Option<IncomeOfTime> {
         self.last_hour
-    }
-
-    /// Power in W into the storage between the last two readings, and its bound.
-    #[must_use]
-    pub fn power(&self) -> [f32; 2] {
-        let per_time = 1.0 / real(self.over.max(1));
-        [Scalar::max(self.income, 0.0) * per_time, BOUND * Scalar::sqrt(self.of_income) * per_time]
     }
 
     /// Seconds since the begin of the hour.
@@ -212,6 +208,14 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     pub fn stored(&self, state: &VoltageState<ACTIONS>) -> [f32; 2] {
         let variance = state.variance + self.lasting_error(state.read, state.out);
         [Scalar::max(state.energy(), 0.0), BOUND * Scalar::sqrt(variance)]
+    }
+
+    /// Harvested power in W between the last two readings, and its bound.
+    #[must_use]
+    pub fn power(&self, state: &VoltageState<ACTIONS>) -> [f32; 2] {
+        let per_time = 1.0 / real(state.over.max(1));
+        let bound = BOUND * Scalar::sqrt(state.of_income) * per_time;
+        [self.harvested(Scalar::max(state.income, 0.0) * per_time), self.harvested(bound)]
     }
 
     /// The variance of a change of the energy and of what left beside it, by what is off at all times.
@@ -567,6 +571,40 @@ impl<const ACTIONS: usize, E: Element> Tier for VoltageNode<ACTIONS, E> {
     #[inline(never)]
     fn wake_after(&self, state: &mut VoltageState<ACTIONS>, gap: Outage, code: Option<u32>) -> Wake {
         self.wake_after_with(state, gap, code, None)
+    }
+
+    fn status(&self, state: &VoltageState<ACTIONS>) -> Status {
+        let ([energy, bound], largest) = (self.stored(state), self.parameters.largest_power);
+        let room = Scalar::max(self.full - self.lock_out, f32::MIN_POSITIVE);
+        let is_used = state.is_located && state.reading == Some(StoreReading::Used);
+        let (source, [power, power_bound]) = match (state.over, self.power(state)) {
+            (0, _) => (PowerSource::Unknown, [0.0, largest]),
+            (_, power) if is_used => (PowerSource::Voltage, power),
+            (_, [power, _]) => (PowerSource::Assumed, [power, Scalar::max(power, largest - power)]),
+        };
+        Status {
+            voltage: self.voltage(state),
+            energy,
+            energy_bound: if state.is_located { bound } else { f32::INFINITY },
+            energy_age: state.since,
+            room,
+            charge: Scalar::min(Scalar::max((energy - self.lock_out) / room, 0.0), 1.0),
+            power,
+            power_bound,
+            power_age: state.since,
+            source,
+        }
+    }
+
+    fn action(&self, state: &VoltageState<ACTIONS>, index: usize) -> Option<ActionStatus> {
+        let (stated, rested) = (*self.parameters.actions.get(index)?, *state.rested.get(index)?);
+        Some(ActionStatus { stated, rested, is_affordable: self.grants(state, &stated) })
+    }
+
+    fn book(&self, state: &mut Self::State, energy: f32) -> Result<(), ParameterError<f32>> {
+        Bounds::new(-1e6, 1e6).check("energy", energy)?;
+        self.spend(state, energy);
+        Ok(())
     }
 }
 

@@ -278,7 +278,10 @@ fn the_storage_decides_which_of_two_motions_goes_on() {
         assert_eq!(plant.findings.last(), Some(&Finding::TwoMotionsOneSeen));
         plant.state.voltage = plant.node.voltage.start(plant.second);
         // The map alone.
-        let [estimated, bound] = plant.node.power(&plant.state);
+        let Status { power: estimated, power_bound: bound, power_age, source, .. } =
+            plant.node.status(&plant.state);
+        assert_eq!((source, plant.node.power(&plant.state)), (PowerSource::Map, [estimated, bound]));
+        assert!(power_age <= 3900, "a burst an hour: {power_age}");
         assert!((f64::from(estimated) - power).abs() < f64::from(bound), "{motion}: {estimated} {bound}");
         assert!(f64::from(bound) < 0.4 * power);
     }

@@ -17,6 +17,7 @@ pub(in crate::node) struct Beside {
 
 /// A harvested power in W by the voltage of the storage, the variance of its error, and the part of that which is the same at all times.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(in crate::node) struct VoltageEstimate {
     pub(in crate::node) power: f32,
     pub(in crate::node) variance: f32,

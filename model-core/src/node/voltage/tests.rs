@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::energy::{Capacitor, StorageParameters};
-use crate::node::Converter;
+use crate::node::{Converter, TaskLedger};
 
 const STATED: VoltageParameters<2> = VoltageParameters {
     storage: StorageParameters {
@@ -66,6 +66,9 @@ struct Tank {
     silent: u32,
     begun: f64,
     wake: Wake,
+    /// Whether actions are entered in the ledger, as done or failed.
+    enters: Option<bool>,
+    ledger: TaskLedger<2>,
 }
 
 /// Normal with the variance 1, as the sum of twelve even numbers.
@@ -95,6 +98,8 @@ impl Tank {
             silent: 0,
             begun: 0.0,
             wake: FIRST,
+            enters: None,
+            ledger: TaskLedger::EMPTY,
         }
     }
 
@@ -122,11 +127,12 @@ impl Tank {
     fn run(&mut self, node: &VoltageNode<2>, state: &mut VoltageState<2>, until: u32) {
         let mut last = state.last_hour();
         while self.second < until || self.wake.task != Task::Sleep {
-            let (readings, mut code) = (state.readings(), None);
+            let (readings, mut code, mut ran) = (state.readings(), None, None);
             match self.wake.task {
                 Task::Run(index) => {
                     self.energy -= [300e-6, 3e-3][index] * self.off.action / 0.9;
                     self.ran[index] += 1;
+                    ran = self.enters.map(|has_failed| (index, has_failed));
                 }
                 _ => {
                     self.live(self.wake.again_in, true);
@@ -135,6 +141,11 @@ impl Tank {
             }
             self.wake = node.wake(state, self.second, code);
             self.energy -= f64::from(state.readings() - readings) * 0.3e-6 / 0.9;
+            if let Some((index, has_failed)) = ran {
+                let used = [300e-6, 3e-3][index] * self.off.action;
+                self.ledger.enter(node, state, index, used as f32, has_failed).expect("within bounds");
+            }
+            self.ledger.watch(node, state);
             assert!(self.energy > 0.5 * 10e-3 * self.off.capacitance * 1.8 * 1.8, "{} s", self.second);
             if state.last_hour() != last {
                 last = state.last_hour();
@@ -161,6 +172,9 @@ fn day(second: u32) -> f64 {
 fn the_hours_and_the_sum_of_thirty_days_are_inside_their_bounds_whatever_part_is_off() {
     let exact = Tolerances::EXACT;
     for (off, tolerances) in [
+        // Entered as done for more, and as failed for less.
+        (Off { action: 1.2, ..NOT }, exact),
+        (Off { action: 0.4, ..NOT }, exact),
         (NOT, exact),
         (Off { standing: 1.2, ..NOT }, Tolerances { standing: 0.12, ..exact }),
         (Off { standing: 0.8, ..NOT }, Tolerances { standing: 0.12, ..exact }),
@@ -171,7 +185,8 @@ fn the_hours_and_the_sum_of_thirty_days_are_inside_their_bounds_whatever_part_is
         (Off { reference: 1.02, ..NOT }, Tolerances { reference: 0.012, ..exact }),
     ] {
         let node = node(VoltageParameters { tolerances, ..STATED });
-        let mut tank = Tank::new(off, day);
+        let enters = (tolerances == exact && off.action != 1.0).then_some(off.action < 1.0);
+        let mut tank = Tank { enters, ..Tank::new(off, day) };
         let mut state = node.start(0);
         tank.run(&node, &mut state, 5 * 86_400);
         let first = node.overall(&state);
@@ -190,6 +205,15 @@ fn the_hours_and_the_sum_of_thirty_days_are_inside_their_bounds_whatever_part_is
         assert!(!is_lasting || relative(sum) > 0.9 * relative(first), "{first:?} {sum:?}");
         // The actions are what the income pays for, and leave the reserve.
         assert!(tank.ran[0] > 15_000, "{:?}", tank.ran);
+        for (index, task) in tank.ledger.tasks.iter().enumerate().filter(|_| enters.is_some()) {
+            let counts = [tank.ran[index], 0];
+            assert_eq!(
+                enters.map(|_| [task.done, task.failed]),
+                enters.map(|failed| if failed { [0, counts[0]] } else { counts })
+            );
+            let used = f64::from(tank.ran[index]) * [300e-6, 3e-3][index] * off.action;
+            assert!((f64::from(task.energy) - used).abs() < 1e-6 * used, "{task:?} {used}");
+        }
     }
 }
 
@@ -202,8 +226,23 @@ fn the_whole_error_of_an_hour_is_that_of_its_readings() {
     let hour = state.last_hour().expect("an hour");
     assert!(hour.bound < 2.5 * 1.5 * 24e-6 / 0.8 && hour.bound > 5e-6, "{hour:?}");
     assert!(tank.hours[0] == 19 && tank.hours[1] >= 18, "{:?}", tank.hours);
-    let [power, bound] = state.power();
-    assert!((power - 8e-6).abs() < bound && bound < 0.5e-6, "{power} {bound}");
+    tank.run(&NODE, &mut state, 20 * 3600 + 130);
+    let now = NODE.status(&state);
+    assert!((now.power - 10e-6).abs() < now.power_bound && now.power_bound < 0.6e-6, "{now:?}");
+    let stored = tank.energy - 8e-6 * f64::from(now.energy_age);
+    assert!(now.source == PowerSource::Voltage && now.power_age == now.energy_age && now.energy_age > 60);
+    assert!((f64::from(now.energy) - stored).abs() < 0.1e-3 && (5e-6..0.1e-3).contains(&now.energy_bound));
+    assert!((f64::from(now.voltage) - (200.0 * stored).sqrt()).abs() < 3e-3, "{now:?}");
+    let charge = (stored - 5e-3 * 1.8 * 1.8) / (5e-3 * (4.5 * 4.5 - 1.8 * 1.8));
+    assert!((f64::from(now.charge) - charge).abs() < 3e-3 && (now.room - 0.085).abs() < 0.1e-3, "{now:?}");
+    // Before the first reading nothing is affordable.
+    let mut cold = NODE.start(0);
+    let affordable = |state: &_, index| NODE.action(state, index).map(|action| action.is_affordable);
+    let Status { source, power_bound, energy_bound, .. } = NODE.status(&cold);
+    assert_eq!((source, power_bound, energy_bound), (PowerSource::Unknown, 100e-6, f32::INFINITY));
+    assert_eq!([affordable(&cold, 1), affordable(&cold, 2)], [Some(false), None]);
+    NODE.wake(&mut cold, 0, Some(2949));
+    assert!(affordable(&cold, 1) == Some(true) && NODE.status(&cold).energy_bound < 0.1e-3);
 }
 
 #[test]
@@ -214,6 +253,19 @@ fn a_full_storage_is_silent_and_its_bound_has_what_is_shunted() {
     assert_eq!(state.last_reading(), Some(StoreReading::Silent));
     assert!(tank.shunted > 0.3 && tank.silent >= 8, "{} {}", tank.shunted, tank.silent);
     assert_eq!(tank.hours[0], tank.hours[1]);
+    let now = IDLE.status(&state);
+    assert!(
+        now.source == PowerSource::Assumed
+            && now.charge > 0.99
+            && (now.power - 40e-6).abs() < now.power_bound
+    );
+    // An action of 1 J each minute is refused each minute.
+    for task in tank.ledger.tasks {
+        assert_eq!([task.refused, task.done, task.failed], [tank.second / 60, 0, 0]);
+    }
+    let mut refused =
+        |index, used| tank.ledger.enter(&IDLE, &mut state, index, used, true).expect_err("bad").field;
+    assert_eq!([refused(2, 0.0), refused(0, -1.0), refused(1, f32::NAN)], ["index", "used", "used"]);
     let sum = IDLE.overall(&state);
     assert!(
         (f64::from(sum.energy) - tank.harvested).abs() <= f64::from(sum.bound),
@@ -317,6 +369,18 @@ fn an_image_with_the_largest_count_of_readings_in_turn_closes_its_hour() {
         state.repeated = u32::MAX;
         tank.run(&IDLE, &mut state, hour * 3600 + 200);
         assert_eq!(state.repeated, 0);
+    }
+}
+
+#[test]
+fn a_code_is_that_of_the_nearest_voltage() {
+    for bits in [4, 12, 16] {
+        let (converter, codes) = (Converter { bits, full_scale: 3.3, noise: 0.0 }, 1_u32 << bits);
+        for code in 0..codes {
+            let near = [-0.45, 0.45].map(|off| 3.3 * (f64::from(code) + off) / f64::from(codes));
+            assert_eq!(near.map(|voltage| converter.code(voltage as f32)), [code; 2]);
+        }
+        assert_eq!([-1.0, f32::NAN, 1e9].map(|voltage| converter.code(voltage)), [0, 0, codes - 1]);
     }
 }
 
