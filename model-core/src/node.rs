@@ -21,6 +21,8 @@
 
 mod board;
 mod map;
+#[cfg(feature = "embedded-batteries")]
+mod smart_battery;
 mod tier;
 mod voltage;
 
