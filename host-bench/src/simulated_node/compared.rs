@@ -24,16 +24,20 @@ pub enum Name {
     Difference,
     Ewma,
     Fixed,
+    Intermittent,
     Oracle,
 }
 
 impl Name {
-    pub const ALL: [Self; 6] =
-        [Self::Voltage, Self::Map, Self::Difference, Self::Ewma, Self::Fixed, Self::Oracle];
+    pub const ALL: [Self; 7] = {
+        use Name::*;
+        [Voltage, Map, Difference, Ewma, Fixed, Intermittent, Oracle]
+    };
 }
 
 /// A storage: its capacitance in F, its leakage resistance in Ω, how far its capacitance or its charge may be off at most, and the mean
-/// income in W of a node on it. One with the word of a battery has this battery beside the capacitor.
+/// income in W of a node on it. One with the word of a battery has this battery beside the capacitor; a `buffer` has
+/// [voltages and actions of its own](Settings::with_buffer).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Storage {
     pub name: &'static str,
@@ -65,7 +69,7 @@ impl Storage {
 }
 
 /// Those of the rows, each with an income above its leakage. The first six are those of years.
-pub const STORAGES: [Storage; 9] = [
+pub const STORAGES: [Storage; 10] = [
     Storage::capacitor(0.47e-3),
     Storage::capacitor(1e-3),
     Storage::capacitor(10e-3),
@@ -73,6 +77,8 @@ pub const STORAGES: [Storage; 9] = [
     Storage::supercapacitor(0.2, 40e6, INCOME),
     Storage::supercapacitor(1.0, 10e6, INCOME),
     Storage::supercapacitor(10.0, 1e6, 10.0 * INCOME),
+    // A ceramic capacitor of 500 Ω F, as the data sheets have it.
+    Storage { name: "buffer", leakage: 30e6, of_capacitance: 0.2, ..Storage::capacitor(17e-6) },
     Storage::battery("slb12400l151", 0.1, 10.0 * INCOME),
     Storage::battery("apr18650m1b", 0.05, 100.0 * INCOME),
 ];
@@ -85,7 +91,7 @@ pub(crate) const ROWS: usize = PARTS.len() * SPREADS.len() * Name::ALL.len();
 const OF_LEAKAGE: f64 = 0.5;
 /// Standard deviation of the gain of the map of a harvester as designed.
 const DESIGNED_GAIN: f64 = 0.1;
-/// Seconds between the actions of `fixed`.
+/// Seconds between the actions of `fixed`; where they may follow each other in less than the first, in proportion.
 const PERIODS: [u32; 18] =
     [40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 160, 180, 200, 240, 300, 600, 1200];
 
@@ -192,6 +198,7 @@ impl Setup {
     pub(super) fn settings(&self, line: &Timeline) -> Settings {
         let Storage { name, capacitance, leakage, of_capacitance, income } = self.storage;
         let base = Settings::new(line.kind, self.processor, capacitance, self.spread).with_income(income);
+        let base = if name == "buffer" { base.with_buffer() } else { base };
         Settings {
             leakage,
             of_capacitance: of_capacitance / 3.0_f64.sqrt(),
@@ -224,7 +231,10 @@ impl Setup {
             },
             Name::Difference => world.run(&mut baseline(Rule::Difference), |_| {}),
             Name::Ewma => world.run(&mut baseline(Rule::ewma()), |_| {}),
-            Name::Fixed => world.run(&mut baseline(Rule::Fixed(period)), |_| {}),
+            Name::Fixed => {
+                world.run(&mut baseline(Rule::Fixed(period * settings.every / PERIODS[0])), |_| {})
+            }
+            Name::Intermittent => world.run(&mut baseline(Rule::Fixed(settings.every)), |_| {}),
             Name::Oracle => {
                 let seconds = 60 * line.minutes.len();
                 let schedule = |end| Oracle::new(&world, seconds, end).schedule();

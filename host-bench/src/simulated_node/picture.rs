@@ -17,7 +17,7 @@ use crate::report::svg::{BLACK, COLOURS};
 const HOURS: usize = 24;
 
 /// A random day of a harvester as designed, with an nRF52832, 10 mF, and a standing power that is off by up to
-/// 20 %.
+/// 20 %. There is a colour for each strategy but `intermittent`, which is as `fixed` there.
 pub(crate) fn picture(kind: Kind) -> Result<Picture, Failure> {
     let line = Timeline::new(kind, true, Course::Random, HOURS, 1)?;
     let setup = Setup {
@@ -27,7 +27,8 @@ pub(crate) fn picture(kind: Kind) -> Result<Picture, Failure> {
         seeds: 1,
     };
     let scale = 1e3 * setup.settings(&line).scale;
-    let runs: Vec<(Name, Run)> = Name::ALL.map(|name| (name, setup.run(name, &line, 7, 120))).into();
+    let shown = Name::ALL.into_iter().filter(|name| *name != Name::Intermittent);
+    let runs: Vec<(Name, Run)> = shown.map(|name| (name, setup.run(name, &line, 7, 120))).collect();
     let true_hours = line.minutes.chunks(60).map(|minutes| minutes.iter().sum::<f64>());
     let hours = |run: &Run, of: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
         run.hours.iter().enumerate().map(|(at, hour)| (hour.index as f64 + 0.5, of(at))).collect()

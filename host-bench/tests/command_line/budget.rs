@@ -437,7 +437,7 @@ fn strategies_are_of_a_scene_file_too() {
     let short = ["--course", "speed", "--as-designed", "--seeds", "1", "--storage", "slb12400l151"];
     let told = accepted(&[&["node-strategies", slider, "--format", "json"], &short[..]].concat());
     let rows: Vec<serde_json::Value> = serde_json::from_str(&told).expect("rows");
-    assert_eq!(rows.len(), 36);
+    assert_eq!(rows.len(), 42);
     for row in rows.iter().filter(|row| row["strategy"] == "map") {
         // The voltage of a battery says next to nothing in an hour.
         assert!(number(row, "error_median") < 0.2 && number(row, "inside") > 0.7, "{row}");
