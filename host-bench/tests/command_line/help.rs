@@ -69,25 +69,8 @@ fn each_number_has_its_unit_and_each_choice_its_default() {
 
 #[test]
 fn slow_commands_state_how_long_they_take() {
-    let slow = [
-        "budget",
-        "figures",
-        "findings",
-        "fit",
-        "map",
-        "needs",
-        "on-target",
-        "optimise",
-        "plot",
-        "resonance",
-        "run",
-        "stability",
-        "stop",
-        "sweep",
-        "validation",
-        "work-precision",
-    ];
-    for command in slow {
+    let slow = "budget figures findings fit map needs on-target optimise plot resonance run stability stop sweep validation work-precision";
+    for command in slow.split(' ') {
         let help = accepted(&[command, "--help"]);
         assert!(help.contains("Run time:"), "{command}: {help}");
     }

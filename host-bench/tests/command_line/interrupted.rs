@@ -198,16 +198,7 @@ fn two_outputs_of_a_command_are_two_files() {
     let scene = file(&folder, "fitted.toml", "");
     for (arguments, option) in [
         (
-            vec![
-                "run",
-                SHIPPED,
-                "--trace-every",
-                "1e-3",
-                "--trace",
-                text(&drawing),
-                "--picture",
-                text(&again),
-            ],
+            vec!["run", SHIPPED, "--trace-every=1e-3", "--trace", text(&drawing), "--picture", text(&again)],
             "--picture",
         ),
         (

@@ -104,15 +104,8 @@ fn a_constraint_is_kept_and_its_cost_told() {
 
 #[test]
 fn a_best_resistance_is_not_worse_than_a_fine_sweep_has_it() {
-    let found = found(&[
-        SLIDING,
-        "--maximise",
-        "mean_power_w",
-        "--over",
-        "load.resistance_ohm=1e6:1e11:log",
-        "--grid",
-        "9",
-    ]);
+    let over = "--over=load.resistance_ohm=1e6:1e11:log";
+    let found = found(&[SLIDING, "--maximise=mean_power_w", over, "--grid=9"]);
     let over = ["sweep", SLIDING, "--over", "load.resistance_ohm=1e6:1e11:41:log", "--steady-state"];
     let sweep = host_bench(&[&over[..], &["--no-accuracy", "--format", "json"]].concat());
     let rows: Value = serde_json::from_slice(&sweep.stdout).expect("JSON");
@@ -261,18 +254,8 @@ fn both_power_peaks_of_a_coupled_beam_are_found() {
 /// The voltage of a bus has no value in the file.
 #[test]
 fn the_voltage_of_a_bus_is_optimised() {
-    let found = found(&[
-        "--set",
-        "load.kind=dc-bus",
-        "--set",
-        "load.diode_drop_v=0.3",
-        SCENE,
-        "--maximise",
-        "mean_power_w",
-        "--over",
-        "load.voltage_v=1:30",
-        "--grid",
-        "5",
-    ]);
+    let set = ["--set=load.kind=dc-bus", "--set=load.diode_drop_v=0.3"];
+    let over = ["--maximise=mean_power_w", "--over=load.voltage_v=1:30", "--grid=5"];
+    let found = found(&[&set[..], &[SCENE], &over].concat());
     assert!((1.0..=30.0).contains(&number(&found["point"]["load.voltage_v"])), "{found}");
 }

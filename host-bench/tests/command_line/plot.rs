@@ -91,15 +91,8 @@ fn a_quiet_command_tells_warnings_only() {
     let folder = folder("quiet");
     let file = folder.join("sliding.toml").to_str().expect("a plain path").to_owned();
     assert!(host_bench(&["--quiet", "new", "sliding", "--output", &file]).stderr.is_empty());
-    let output = host_bench(&[
-        "run",
-        "--quiet",
-        &file,
-        "--set",
-        "run.duration_periods=4",
-        "--set",
-        "run.settle_periods=1",
-    ]);
+    let [duration, settle] = ["--set=run.duration_periods=4", "--set=run.settle_periods=1"];
+    let output = host_bench(&["run", "--quiet", &file, duration, settle]);
     let told = String::from_utf8(output.stderr).expect("text");
     assert!(told.lines().all(|line| line.starts_with("warning: ")), "{told}");
 }

@@ -118,19 +118,9 @@ fn a_draw_that_has_no_consistent_switching() {
 
 #[test]
 fn an_unknown_key_at_any_level() {
-    for key in [
-        "extra",
-        "extra.deep.key",
-        "parameters.extra",
-        "parameters.mass",
-        "parameters.restitution.coefficient",
-        "load.extra",
-        "load.draw.kind",
-        "excitation.extra",
-        "excitation.repeat",
-        "run.extra",
-        "initial.voltage_v",
-    ] {
+    let keys = "extra extra.deep.key parameters.extra parameters.mass parameters.restitution.coefficient load.extra load.draw.kind \
+                excitation.extra excitation.repeat run.extra initial.voltage_v";
+    for key in keys.split(' ') {
         refused_with(&[&format!("{key}=1")], &[SHIPPED, key, "1", "unknown key"]);
     }
     refused_with(

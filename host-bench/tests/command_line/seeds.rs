@@ -3,16 +3,8 @@
 use super::tool::{SHIPPED, accepted, outcome, refused};
 
 const RANDOM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/contact-separation-truck.toml");
-const SHORT: [&str; 8] = [
-    "--set",
-    "run.duration_s=0.6",
-    "--set",
-    "run.settle_s=0.2",
-    "--set",
-    "excitation.lines=64",
-    "--tolerance",
-    "1e-4",
-];
+const SHORT: [&str; 4] =
+    ["--set=run.duration_s=0.6", "--set=run.settle_s=0.2", "--set=excitation.lines=64", "--tolerance=1e-4"];
 
 fn seeds<'a>(options: &[&'a str]) -> Vec<&'a str> {
     [&["run", RANDOM], &SHORT[..], options].concat()
@@ -20,15 +12,8 @@ fn seeds<'a>(options: &[&'a str]) -> Vec<&'a str> {
 
 #[test]
 fn the_statistics_are_those_of_the_runs_of_the_seeds() {
-    let text = accepted(&seeds(&[
-        "--seeds",
-        "3",
-        "--no-accuracy",
-        "--set",
-        "excitation.seed=5",
-        "--format",
-        "json",
-    ]));
+    let options = ["--seeds=3", "--no-accuracy", "--set=excitation.seed=5", "--format=json"];
+    let text = accepted(&seeds(&options));
     let found: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(found["seeds"], serde_json::json!([5, 7]));
     assert!((found["base_rms_m_per_s2"].as_f64().expect("a number") / 9.81 - 1.04).abs() < 0.005);

@@ -42,14 +42,6 @@ fn a_day_a_map_and_a_fit_have_a_statement() {
     let map = ["map", SHIPPED, "--amplitude", "0.2:0.5", "--frequency", "20:21", "--places", "30"];
     states(&map);
     let data = file(&folder, "data.csv", "frequency_hz,rms_voltage_v\n18,0.5\n19,1.2\n20,8\n21,1\n");
-    states(&[
-        "fit",
-        SHIPPED,
-        "--data",
-        &data,
-        "--free",
-        "parameters.charge_density_c_per_m2",
-        "--starts",
-        "0",
-    ]);
+    let free = "--free=parameters.charge_density_c_per_m2";
+    states(&["fit", SHIPPED, "--data", &data, free, "--starts=0"]);
 }

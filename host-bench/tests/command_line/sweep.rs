@@ -15,16 +15,8 @@ fn a_grid_has_a_row_for_each_point_and_a_picture() {
     let folder = folder("grid");
     let output = folder.join("made");
     let path = output.to_str().expect("a plain path");
-    let text = accepted(&sweep(&[
-        "--over",
-        "load.resistance_ohm=1e6:1e8:3:log",
-        "--over",
-        "excitation.frequency_hz=19:20:2",
-        "--output",
-        path,
-        "--format",
-        "csv",
-    ]));
+    let over = ["--over=load.resistance_ohm=1e6:1e8:3:log", "--over=excitation.frequency_hz=19:20:2"];
+    let text = accepted(&sweep(&[over[0], over[1], "--output", path, "--format=csv"]));
     let written = std::fs::read_to_string(output.join("sweep.csv")).expect("the table");
     let without_time = |text: &str| {
         let mut reader = csv::Reader::from_reader(text.as_bytes());

@@ -160,54 +160,20 @@ fn drop_to_rest<S: Scalar>(
 fn impact_times_are_exact_until_the_ball_rests_before_zeno_time() {
     assert!((Exact::of::<f64>().zeno() - ZENO).abs() < 1e-14);
     let step = 3.9e-3;
+    let fixed = FixedStep::of_seconds(step).expect("in bounds");
     for stick_speed in [1e-2, 1e-6] {
         // To the tick in double precision.
-        let late = 1.5 * TICK;
-        drop_to_rest::<f64>(
-            "TR-BDF2 fixed",
-            TrBdf2,
-            FixedStep::of_seconds(step).expect("in bounds"),
-            stick_speed,
-            late,
-        );
-        drop_to_rest::<f64>(
-            "TR-BDF2 adaptive",
-            TrBdf2,
-            Adaptive::new(1e-4).expect("in bounds"),
-            stick_speed,
-            late,
-        );
-        drop_to_rest::<f64>(
-            "RK4 fixed",
-            RungeKutta4,
-            FixedStep::of_seconds(step).expect("in bounds"),
-            stick_speed,
-            late,
-        );
+        let (late, adaptive) = (1.5 * TICK, Adaptive::new(1e-4).expect("in bounds"));
+        drop_to_rest::<f64>("TR-BDF2 fixed", TrBdf2, fixed, stick_speed, late);
+        drop_to_rest::<f64>("TR-BDF2 adaptive", TrBdf2, adaptive, stick_speed, late);
+        drop_to_rest::<f64>("RK4 fixed", RungeKutta4, fixed, stick_speed, late);
         // To a few roundings of the step in single. Without an error, adaptive steps grow to the longest of the clock.
         let late_after = |step: f64| 16.0 * f64::from(f32::EPSILON) * step;
-        let late = late_after(step);
-        drop_to_rest::<f32>(
-            "TR-BDF2 fixed",
-            TrBdf2,
-            FixedStep::of_seconds(step).expect("in bounds"),
-            stick_speed,
-            late,
-        );
-        drop_to_rest::<f32>(
-            "TR-BDF2 adaptive",
-            TrBdf2,
-            Adaptive::new(1e-4).expect("in bounds"),
-            stick_speed,
-            late_after(LONGEST_STEP_S),
-        );
-        drop_to_rest::<f32>(
-            "RK4 fixed",
-            RungeKutta4,
-            FixedStep::of_seconds(step).expect("in bounds"),
-            stick_speed,
-            late,
-        );
+        let (late, longest) = (late_after(step), late_after(LONGEST_STEP_S));
+        let adaptive = Adaptive::new(1e-4).expect("in bounds");
+        drop_to_rest::<f32>("TR-BDF2 fixed", TrBdf2, fixed, stick_speed, late);
+        drop_to_rest::<f32>("TR-BDF2 adaptive", TrBdf2, adaptive, stick_speed, longest);
+        drop_to_rest::<f32>("RK4 fixed", RungeKutta4, fixed, stick_speed, late);
     }
 }
 

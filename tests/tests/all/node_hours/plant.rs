@@ -164,9 +164,8 @@ fn the_rows_have_the_keys_of_their_contract() {
     assert!(rows.iter().all(|row| row.income_w > row.leakage_w));
     let text = format!("{:?}", rows[0]);
     let keys = "strategy part storage capacitance_f income_w leakage_w draw_spread share error_median \
-            bound_median inside hours actions actions_of_oracle lock_outs shunted"
-        .split(' ')
-        .collect::<Vec<_>>();
+                bound_median inside hours actions actions_of_oracle lock_outs shunted";
+    let keys: Vec<_> = keys.split(' ').collect();
     let places: Vec<_> = keys.iter().map(|key| text.find(&format!(" {key}: ")).expect(key)).collect();
     assert!(places.is_sorted() && text.matches(": ").count() == keys.len(), "{text}");
     for row in rows.iter().filter(|row| row.lock_outs == 0) {
