@@ -41,6 +41,10 @@ pub struct Quarter {
     pub inside: f64,
     /// Median of the bounds of its hours over that of the first quarter.
     pub bound_over_first: f64,
+    /// The same of the hours without a reading of a full or unknown storage; NaN without such hours in either quarter.
+    pub resolved_over_first: f64,
+    /// Share of the hours with such a reading.
+    pub silent: f64,
     pub sum_estimated_j: f64,
     pub sum_bound_j: f64,
     pub sum_true_j: f64,
@@ -54,23 +58,28 @@ pub struct Quarter {
     pub not_a_number: u32,
 }
 
-/// The hours of a quarter: how many are inside, and their bounds; the median of the first quarter. In J.
+/// The hours of a quarter: how many are inside, and the bounds of all and of those without silence; both medians of the first quarter. In J.
 #[derive(Debug, Default)]
 pub(super) struct Hours {
     inside: u32,
-    bounds: Vec<f32>,
-    first: Option<f32>,
+    bounds: [Vec<f32>; 2],
+    first: Option<[f32; 2]>,
 }
 
 impl Hours {
     /// The quarter with what its hours came to; those of the next one are to come.
     pub(super) fn close(&mut self, quarter: Quarter) -> Quarter {
-        self.bounds.sort_by(f32::total_cmp);
-        let median = self.bounds.get(self.bounds.len() / 2).copied().unwrap_or(f32::NAN);
-        let bound_over_first = f64::from(median / *self.first.get_or_insert(median));
-        let inside = f64::from(self.inside) / f64::from(quarter.hours);
+        let medians = self.bounds.each_mut().map(|bounds| {
+            bounds.sort_by(f32::total_cmp);
+            bounds.get(bounds.len() / 2).copied().unwrap_or(f32::NAN)
+        });
+        let first = *self.first.get_or_insert(medians);
+        let [bound_over_first, resolved_over_first] =
+            [0, 1].map(|index| f64::from(medians[index] / first[index]));
+        let [inside, resolved] =
+            [self.inside as usize, self.bounds[1].len()].map(|count| count as f64 / f64::from(quarter.hours));
         *self = Self { first: self.first, ..Self::default() };
-        Quarter { inside, bound_over_first, ..quarter }
+        Quarter { inside, bound_over_first, resolved_over_first, silent: 1.0 - resolved, ..quarter }
     }
 }
 
@@ -80,7 +89,8 @@ impl Quarter {
         self.hours += 1;
         self.not_a_number += u32::from(!(hour.energy + hour.bound).is_finite());
         hours.inside += u32::from((f64::from(hour.energy) - truth).abs() <= f64::from(hour.bound));
-        hours.bounds.push(hour.bound);
+        hours.bounds[0].push(hour.bound);
+        hours.bounds[1].extend((hour.silent == 0).then_some(hour.bound));
     }
 
     /// Refuses a quarter of a node that did not read, gave no number, or lost an image of its own.
@@ -116,13 +126,15 @@ mod tests {
         let (mut hours, mut quarter) = (Hours::default(), Quarter::default());
         let mut of = |bounds: [f32; 4]| {
             for bound in bounds {
-                let hour = IncomeOfTime { seconds: 3600, energy: 1.0, bound, silent: 0 };
+                let silent = if bound > 5.0 { 60 } else { 0 };
+                let hour = IncomeOfTime { seconds: 3600, energy: 1.0, bound, silent };
                 quarter.count(hour, 0.0, &mut hours);
             }
             let closed = hours.close(quarter);
             quarter = quarter.next();
-            [closed.inside, closed.bound_over_first]
+            [closed.inside, closed.bound_over_first, closed.resolved_over_first, closed.silent]
         };
-        assert_eq!([of([9.0, 0.5, 2.0, 0.1]), of([3.0, 3.5, 0.0, 1.0])], [[0.5, 1.0], [0.75, 1.5]]);
+        assert_eq!(of([9.0, 0.5, 2.0, 0.1]), [0.5, 1.0, 1.0, 0.25]);
+        assert_eq!(of([3.0, 3.5, 0.0, 1.0]), [0.75, 1.5, 6.0, 0.0]);
     }
 }
