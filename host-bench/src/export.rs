@@ -1,7 +1,9 @@
-//! Scenes as netlists of SPICE: a subcircuit with the terminals of the harvester, and a deck that runs it.
+//! Scenes for other programs: as netlists of SPICE, a subcircuit with the terminals of the harvester and a deck that runs it;
+//! as FMUs.
 
 mod cantilever;
 mod contact_separation;
+mod fmu;
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,6 +11,8 @@ use std::path::Path;
 use crate::method::Failure;
 use crate::name::Name;
 use crate::scene_file::{Excitation, KEYS, Load, Model, Override, Scene, Tone, key::Value, number_at};
+
+pub(crate) use self::fmu::fmu;
 
 /// A scene as a subcircuit.
 pub(crate) struct Netlist {

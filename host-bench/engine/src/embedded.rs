@@ -16,6 +16,7 @@ macro_rules! by_harvester {
 
 mod auto;
 mod bump_stop;
+mod co_simulation;
 mod contact_separation;
 mod continuation;
 mod excitation;
@@ -41,6 +42,7 @@ pub use bump_stop::{
     ContactInterval, DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S, DeflectedShape, ShapePoint,
     chattering_phases, contact_intervals, deflected_shapes, parameters as bump_stop_parameters,
 };
+pub use co_simulation::{CoSimulation, Variable, co_simulation, variables};
 pub use contact_separation::parameters as contact_separation_parameters;
 pub use continuation::{
     AmplitudeContinuation, Motion, MotionKind, fingerprint, natural_frequency_hz, with_continuation,

@@ -1,13 +1,16 @@
 //! `export`: a scene for other programs.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::files::Outputs;
 use super::{NODE, check_overrides, note, set_option};
-use crate::export::Netlist;
+use crate::embedded;
+use crate::export::{self, Netlist};
 use crate::input::STANDARD;
 use crate::method::Failure;
 use crate::name::Name;
+use crate::on_target::build::cargo;
 use crate::scene_file::{self, Override};
 
 #[derive(Debug, Clone, clap::Args)]
@@ -16,26 +19,40 @@ pub struct ExportArguments {
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
     /// Write the harvester as a subcircuit of SPICE to this file: two terminals and a pin of the base acceleration
-    #[arg(long, value_name = "FILE.cir")]
-    spice: PathBuf,
+    #[arg(long, value_name = "FILE.cir", required_unless_present = "fmu")]
+    spice: Option<PathBuf>,
     /// Write a deck that runs the subcircuit with load, excitation and window of the scene to this file, in the same
     /// folder
-    #[arg(long, value_name = "FILE.cir")]
+    #[arg(long, value_name = "FILE.cir", requires = "spice")]
     deck: Option<PathBuf>,
+    /// Write the harvester as an FMU of FMI 3.0 for co-simulation on x86-64 Linux to this file
+    #[arg(long, value_name = "FILE.fmu", conflicts_with = "spice")]
+    fmu: Option<PathBuf>,
+    /// Shared library of the FMU: the package harvester-fmu, which is built by cargo where none is given
+    #[arg(long, value_name = "FILE.so", requires = "fmu")]
+    library: Option<PathBuf>,
     /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
 }
 
-/// Writes the netlist of the scene.
+/// Writes the netlist or the FMU of the scene.
 ///
 /// # Errors
-/// If the scene is one that no netlist has, or a file cannot be written.
+/// If the scene is one that neither has, or a file cannot be written.
 pub fn run(arguments: &ExportArguments) -> Result<(), Failure> {
-    let ExportArguments { scene: file, spice, deck, overrides } = arguments;
+    let ExportArguments { scene: file, spice, deck, fmu, library, overrides } = arguments;
     let scene = scene_file::read(file, overrides)?;
     check_overrides(overrides, &[NODE])?;
     let outputs = Outputs::of(file, overrides)?;
+    if let Some(fmu) = fmu {
+        let outputs = outputs.and(library.as_slice());
+        outputs.check("--fmu", fmu)?;
+        // Refuses the scene before the library is built.
+        embedded::variables(&scene)?;
+        return outputs.write(fmu, export::fmu(&scene, overrides, &bytes(library.as_deref())?)?);
+    }
+    let Some(spice) = spice else { return Ok(()) };
     outputs.check("--spice", spice)?;
     if let Some(deck) = deck {
         if spice == Path::new(STANDARD) || spice.parent() != deck.parent() {
@@ -57,4 +74,17 @@ pub fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         note(&format!("{0}: ngspice -b {0} prints its mean power", deck.display()));
     }
     Ok(())
+}
+
+/// The shared library of an FMU, from a file or built by cargo. With the package of this command, whose build of the core serves.
+fn bytes(library: Option<&Path>) -> Result<Vec<u8>, Failure> {
+    let file = match library {
+        Some(file) => file.to_owned(),
+        None if cfg!(all(target_os = "linux", target_arch = "x86_64")) => {
+            let packages = ["build", "--release", "--package", "harvester-fmu", "--package", "host-bench"];
+            cargo(&packages, "").map_err(Failure::Input)?.join("release/libharvester_fmu.so")
+        }
+        None => return Err(Failure::Input("--library: must be given on this system".to_owned())),
+    };
+    fs::read(&file).map_err(|error| Failure::Input(format!("--library {}: {error}", file.display())))
 }

@@ -1,7 +1,7 @@
 //! Building the firmware.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::{env, fs, io};
 
 use thiserror::Error;
@@ -56,6 +56,21 @@ pub enum Error {
         /// The system's reason.
         source: io::Error,
     },
+}
+
+/// Runs cargo in this workspace for this computer. Returns the target folder, which is `folder` in the usual one.
+pub(crate) fn cargo(arguments: &[&str], folder: &str) -> Result<PathBuf, String> {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let all = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    let target = workspace.join(all).join(folder);
+    let mut cargo = Command::new("cargo");
+    // The output of the caller may be a table.
+    let cargo = cargo.args(arguments).arg("--target-dir").arg(&target).stdout(Stdio::null());
+    match cargo.current_dir(&workspace).status() {
+        Ok(status) if status.success() => Ok(target),
+        Ok(status) => Err(format!("cargo {}: {status}", arguments.join(" "))),
+        Err(error) => Err(format!("cargo: {error}")),
+    }
 }
 
 /// Builds `binary` for `core` in a Cargo run of its own, so that the features of host crates do not reach it.

@@ -15,11 +15,13 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::sync::OnceLock;
 use std::{env, fs};
 
 use thiserror::Error;
+
+use super::build::cargo;
 
 /// All that is logged from one `begin` to its `end`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -163,20 +165,7 @@ pub fn messages(firmware: &Path, log: &[u8]) -> Result<Vec<String>, Error> {
 
 /// Builds the program beside the firmware.
 fn build() -> Result<PathBuf, String> {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let all = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
-    let target = workspace.join(all).join("on-target");
-    let status = Command::new("cargo")
-        .args(["build", "--quiet", "--package", "harvester-log", "--target-dir"])
-        .arg(&target)
-        .current_dir(&workspace)
-        // The output of this command is a table.
-        .stdout(Stdio::null())
-        .status()
-        .map_err(|error| format!("cargo: {error}"))?;
-    if !status.success() {
-        return Err("the package harvester-log does not build".to_owned());
-    }
+    let target = cargo(&["build", "--quiet", "--package", "harvester-log"], "on-target")?;
     Ok(target.join("debug").join("harvester-log").with_extension(env::consts::EXE_EXTENSION))
 }
 
