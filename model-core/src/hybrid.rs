@@ -7,7 +7,6 @@
 
 mod attempt;
 mod driver;
-mod locate;
 mod outcome;
 mod predicted;
 mod search;
@@ -148,15 +147,7 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
         input: &InputAt<'_, E>,
         mut take: impl FnMut(usize, Guard<S>),
     ) {
-        let guards = self.guards(mode).min(MOST_GUARDS);
-        // Unrolled for two guards: their numbers are then constants.
-        if guards > 0 {
-            take(0, self.guard(mode, 0, armed, point, input));
-        }
-        if guards > 1 {
-            take(1, self.guard(mode, 1, armed, point, input));
-        }
-        for index in 2..guards {
+        for index in 0..self.guards(mode).min(MOST_GUARDS) {
             take(index, self.guard(mode, index, armed, point, input));
         }
     }

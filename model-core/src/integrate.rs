@@ -263,17 +263,6 @@ impl<S: Scalar, const N: usize, const P: usize> Point<S, N, P> {
     ) -> Self {
         Self { state, remainder: [S::ZERO; N], derivative, powers: system.powers(&state, &derivative, input) }
     }
-
-    /// The derivative for a step of `step` s that begins here with a jump: beyond the boundary layer of the circuit.
-    #[inline(always)]
-    pub(crate) fn settled_derivative<Y: System<S, N, P>>(&self, system: &Y, step: S) -> [S; N] {
-        let mut settled = self.derivative;
-        if let Some(layer) = system.boundary_layer(&self.state) {
-            let rate = &mut settled[Y::CIRCUIT];
-            *rate = layer.settled(*rate, step);
-        }
-        settled
-    }
 }
 
 snapshot_fields!(impl [S: Scalar, const N: usize, const P: usize] Point<S, N, P> {
@@ -372,14 +361,12 @@ pub struct Attempt<'a, S, I, const N: usize, const P: usize> {
 }
 
 impl<S: Scalar, I, const N: usize, const P: usize> Attempt<'_, S, I, N, P> {
-    /// The derivative at the start, after a jump beyond the boundary layer.
+    /// The boundary layer at the start, after a jump, and the rate of the circuit's state there, beyond the layer.
     #[inline(always)]
-    fn settled_derivative<Y: System<S, N, P>>(&self, system: &Y) -> [S; N] {
-        if self.after_jump {
-            self.start.settled_derivative(system, seconds_of_ticks(self.ticks))
-        } else {
-            self.start.derivative
-        }
+    fn settled_rate<Y: System<S, N, P>>(&self, system: &Y) -> (Option<BoundaryLayer<S>>, S) {
+        let (step, rate) = (seconds_of_ticks(self.ticks), self.start.derivative[Y::CIRCUIT]);
+        let layer = if self.after_jump { system.boundary_layer(&self.start.state) } else { None };
+        (layer, layer.map_or(rate, |layer| layer.settled(rate, step)))
     }
 }
 

@@ -1,60 +1,72 @@
-//! Attempts steps of one mode from one start and evaluates the guards along them.
+//! Attempts steps of one mode from one start, evaluates the guards along them, and locates the tick at which one falls through zero.
 
-use super::{Automaton, Guard, InputAt};
+use super::{Automaton, Driver, Guard, InputAt, Work};
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
-use crate::integrate::{Attempt, InputFrom, Method, NotConverged, Point, Trial};
+use crate::integrate::{Attempt, ErrorScale, InputFrom, Method, NotConverged, Point, StepControl, Trial};
 use crate::scalar::Scalar;
 
 /// Largest number of guards of a mode: each has a bit in the set of guards located in a step.
 pub(super) const MOST_GUARDS: usize = 32;
 
+/// Most attempts to locate the events of one step. Newton's iteration needs two or three per event; bisection
+/// of 2³² ticks needs 32.
+pub(super) const MOST_ATTEMPTS: u32 = 40;
+
+/// The result of a search.
+pub(super) struct Located<S, const N: usize, const P: usize> {
+    pub(super) trial: Trial<S, N, P>,
+    pub(super) ticks: u32,
+    /// Whether the guard fell. The dense output may show a graze that the step itself does not have.
+    pub(super) fell: bool,
+}
+
 /// The data common to all attempts of one step.
-pub(super) struct Attempts<'a, S: Scalar, A: Automaton<S, N, P>, E, M, const N: usize, const P: usize> {
+pub(super) struct Attempts<'a, S: Scalar, A: Automaton<S, N, P>, E, M, C, const N: usize, const P: usize> {
     pub(super) automaton: &'a A,
     pub(super) mode: A::Mode,
     pub(super) armed: bool,
     pub(super) start: &'a Point<S, N, P>,
     pub(super) clock: Instant,
     pub(super) excitation: &'a E,
-    pub(super) method: &'a M,
-    pub(super) accuracy: S,
+    pub(super) driver: &'a Driver<M, C>,
+    pub(super) scale: &'a ErrorScale<S>,
+    /// The length of the first attempt.
+    pub(super) planned: u32,
     pub(super) after_jump: bool,
 }
 
-impl<S: Scalar, A: Automaton<S, N, P>, E, M, const N: usize, const P: usize> Clone
-    for Attempts<'_, S, A, E, M, N, P>
-{
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S: Scalar, A: Automaton<S, N, P>, E, M, const N: usize, const P: usize> Copy
-    for Attempts<'_, S, A, E, M, N, P>
-{
-}
-
-impl<'a, S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: usize, const P: usize>
-    Attempts<'a, S, A, E, M, N, P>
+impl<'a, S, A, E, M, C, const N: usize, const P: usize> Attempts<'a, S, A, E, M, C, N, P>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+    E: Excitation<S>,
+    M: Method<S>,
+    C: StepControl<S>,
 {
     /// A step of `ticks`.
     #[inline(always)]
     fn of(&self, ticks: u32) -> Attempt<'a, S, InputFrom<'a, E>, N, P> {
         let input = InputFrom { excitation: self.excitation, from: self.clock };
-        Attempt { start: self.start, input, ticks, accuracy: self.accuracy, after_jump: self.after_jump }
+        Attempt { start: self.start, input, ticks, accuracy: self.accuracy(), after_jump: self.after_jump }
+    }
+
+    /// The accuracy to which implicit equations are solved.
+    #[inline(always)]
+    pub(super) fn accuracy(&self) -> S {
+        self.driver.control.accuracy(self.planned, self.scale)
     }
 
     /// Predicts a step of `ticks`.
     #[inline(always)]
     pub(super) fn predict(&self, ticks: u32) -> Option<M::Prediction> {
-        self.method.predict(&self.automaton.flow(self.mode), &self.of(ticks))
+        self.driver.method.predict(&self.automaton.flow(self.mode), &self.of(ticks))
     }
 
     /// The end of a step of `ticks` as predicted.
     #[inline(always)]
     pub(super) fn predicted_end(&self, ticks: u32, prediction: &M::Prediction) -> Point<S, N, P> {
-        self.method.predicted_end(&self.automaton.flow(self.mode), &self.of(ticks), prediction)
+        self.driver.method.predicted_end(&self.automaton.flow(self.mode), &self.of(ticks), prediction)
     }
 
     /// Attempts a step of `ticks`, with its prediction.
@@ -64,7 +76,7 @@ impl<'a, S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const
         ticks: u32,
         prediction: Option<&M::Prediction>,
     ) -> Result<Trial<S, N, P>, NotConverged> {
-        self.method.attempt(&self.automaton.flow(self.mode), &self.of(ticks), prediction)
+        self.driver.method.attempt(&self.automaton.flow(self.mode), &self.of(ticks), prediction)
     }
 
     /// Guard number `index` at a point `ticks` into the step.
@@ -106,5 +118,69 @@ impl<'a, S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const
             }
         }
         first
+    }
+
+    /// Steps from the start to the tick at which guard `index` falls through zero, by bracketed Newton iteration with
+    /// a new step per iterate. The result is the first tick with a guard at or below zero, to within rounding.
+    ///
+    /// Positions are whole ticks from the start of the step, so they do not depend on absolute time.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn locate(
+        &self,
+        index: usize,
+        theta: S,
+        full: Trial<S, N, P>,
+        full_ticks: u32,
+        most_attempts: u32,
+        work: &mut Work,
+    ) -> Result<Located<S, N, P>, NotConverged> {
+        let mut reached = Located { trial: full, ticks: full_ticks, fell: false };
+        let mut attempts = 0;
+        // The bracket in ticks: the guard is positive at `short` and at or below zero at `far`.
+        let mut short = 0;
+        let mut far = full_ticks.saturating_add(1);
+        if self.guard(index, &full.end, full_ticks).value <= S::ZERO {
+            (far, reached.fell) = (full_ticks, true);
+        }
+        // Resolution in ticks that rounding allows.
+        let resolution = (S::from_u32(full_ticks) * S::EPSILON * S::from_f64(8.0)).to_u32().max(1);
+        let mut ticks = (theta * S::from_u32(full_ticks)).to_u32().saturating_add(1);
+        while far - short > 1 && attempts < most_attempts {
+            // `clamp` can panic, `max` and `min` cannot: `far` stays above `short + 1` here.
+            ticks = ticks.max(short + 1).min(far - 1);
+            attempts += 1;
+            work.locating += 1;
+            let trial = self.attempt(ticks, None)?;
+            work.iterations = work.iterations.saturating_add(trial.iterations);
+            let guard = self.guard(index, &trial.end, ticks);
+            let fallen = guard.value <= S::ZERO;
+            if fallen || !reached.fell {
+                (reached.trial, reached.ticks, reached.fell) = (trial, ticks, fallen);
+            }
+            if fallen {
+                far = ticks
+            } else {
+                short = ticks
+            }
+            if !fallen && !(guard.rate < S::ZERO) && far > full_ticks {
+                // The guard has passed a minimum above zero: a graze without contact.
+                return Ok(reached);
+            }
+            let correction = (guard.value / guard.rate).abs() / seconds_of_ticks(1);
+            let correction = if guard.rate < S::ZERO { correction.to_u32() } else { u32::MAX };
+            if fallen && correction < resolution || far - short <= resolution {
+                break;
+            }
+            ticks = if correction > far - short {
+                short + (far - short) / 2
+            } else if fallen {
+                ticks.saturating_sub(correction)
+            } else {
+                // Overshoot the estimate, to land at or below zero.
+                ticks.saturating_add(correction).saturating_add(resolution)
+            };
+        }
+        Ok(reached)
     }
 }

@@ -1,7 +1,6 @@
 //! Advances a hybrid state: step, event location, jump.
 
-use super::attempt::{Attempts, MOST_GUARDS};
-use super::locate::MOST_ATTEMPTS;
+use super::attempt::{Attempts, MOST_ATTEMPTS, MOST_GUARDS};
 use super::outcome::{Advance, Ended, StepError, StepFailure, Work};
 use super::search::Search;
 use super::{Automaton, HybridState, InputAt};
@@ -198,8 +197,9 @@ impl<M, C> Driver<M, C> {
             start: &state.point,
             clock: state.clock,
             excitation,
-            method: &self.method,
-            accuracy: self.control.accuracy(planned, scale),
+            driver: self,
+            scale,
+            planned,
             after_jump: M::CARRIES_DERIVATIVES
                 && state.since_event <= if M::PREDICTS { 0 } else { LAYER_TICKS },
         };
@@ -212,9 +212,7 @@ impl<M, C> Driver<M, C> {
             Ok(None)
         };
         let most = state.control.stretched(planned).min(limit);
-        let in_layer = attempts.after_jump && flow.boundary_layer(&state.point.state).is_some();
-        let mut search =
-            Search::within([planned, most], scale.angular_frequency, attempts.accuracy, in_layer);
+        let mut search = Search::within([planned, most]);
         let (mut taken, mut control) = loop {
             let attempted = if M::PREDICTS {
                 attempts.attempt_to_event(&mut search)
@@ -311,7 +309,8 @@ impl<M, C> Driver<M, C> {
         // The parabola resolves a layer that is longer than the step.
         (layer.relaxation * step > S::ONE).then(|| {
             let mut start = state.point;
-            start.derivative = start.settled_derivative(&flow, step);
+            let rate = &mut start.derivative[<A::Flow<'_> as System<S, N, P>>::CIRCUIT];
+            *rate = layer.settled(*rate, step);
             start
         })
     }
@@ -379,7 +378,7 @@ const fn carries<S: Scalar, M: Method<S>, Y: System<S, N, P>, const N: usize, co
 /// long step can order two falls wrongly, or show a graze that the shorter step does not have.
 #[inline(always)]
 fn first_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
-    attempts: &Attempts<'_, S, A, impl Excitation<S>, impl Method<S>, N, P>,
+    attempts: &Attempts<'_, S, A, impl Excitation<S>, impl Method<S>, impl StepControl<S>, N, P>,
     taken: &mut TakenStep<S, N, P>,
     guards: usize,
     work: &mut Work,

@@ -1,19 +1,26 @@
 //! A step of a method that predicts the motion: its event is located on the prediction, before the circuit is solved.
 
 use super::attempt::Attempts;
-use super::search::{Fall, Next, Reached, Search, ticks_after};
+use super::search::{Extension, Fall, Next, Reached, Search, ticks_after};
 use super::{Automaton, Guard};
 use crate::clock::seconds_of_ticks;
 use crate::excitation::Excitation;
-use crate::integrate::{Method, NotConverged, Point, System, Trial};
+use crate::integrate::{Method, NotConverged, Point, StepControl, System, Trial};
 use crate::scalar::{Scalar, add_increment};
 
 /// The least value of a guard along its cubic, relative to its values at both ends, below which the prediction is
 /// evaluated there. The cubic's own error is a hundredth of this.
 const NEAR_ZERO: f64 = 1.0 / 64.0;
+/// Part of the accuracy of a step that the extension to an event may be off, at least a rounding.
+const EXTENSION_PART: f64 = 1e-5;
 
-impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: usize, const P: usize>
-    Attempts<'_, S, A, E, M, N, P>
+impl<S, A, E, M, C, const N: usize, const P: usize> Attempts<'_, S, A, E, M, C, N, P>
+where
+    S: Scalar,
+    A: Automaton<S, N, P>,
+    E: Excitation<S>,
+    M: Method<S>,
+    C: StepControl<S>,
 {
     /// Attempts the step of `search`, or to the first guard that falls along the predicted motion.
     #[inline(always)]
@@ -37,72 +44,75 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     pub(super) fn must_repeat(&self, trial: &mut Trial<S, N, P>, search: &mut Search<S>) -> bool {
         let fallen = match search.event {
             None if search.predicted => self.fallen(&trial.end, search.ticks),
-            // Without a prediction only an attempt shows whether a guard falls.
-            None => return self.approaches(search, &{ trial.end }),
             event => event,
         };
-        let Some(index) = fallen else { return false };
-        let ticks = search.ticks;
-        let guard = self.guard(index, &trial.end, ticks);
-        match search.reach(&guard, index) {
-            Reached::Past => return self.approaches(search, &{ trial.end }),
-            Reached::Beyond => {
-                if guard.value > S::ZERO {
-                    self.returns(search, index, ticks, &{ trial.end });
-                }
-                return true;
-            }
-            Reached::Clear | Reached::Near { .. } if self.returns(search, index, ticks, &{ trial.end }) => {
-                return true;
-            }
-            Reached::Clear if search.event.is_none() => return false,
-            Reached::Clear => {}
-            Reached::Near { missing, curved } => {
-                let mut missing = self.first_within(search, index, missing, &{ trial.end });
-                self.extend(trial, ticks, missing, curved);
-                if curved && let Some(index) = search.event {
-                    // The tangent misses the event by the square of the time.
-                    let guard = self.guard(index, &trial.end, ticks_after(ticks, missing));
-                    let more = guard.value / -guard.rate;
-                    let is_within = ticks_after(ticks, missing + more) <= search.most;
-                    if guard.rate < S::ZERO && more.abs() < missing.abs() && is_within {
-                        self.extend(trial, ticks, more, false);
+        if let Some(index) = fallen {
+            // Copies, here and below: every attempt would otherwise be written to memory.
+            match self.reaches(search, index, &{ trial.end }) {
+                Reached::Clear if search.event.is_some() => {}
+                Reached::Near { missing: mut more, mut curved } => {
+                    let (ticks, mut missing) = (search.ticks, S::ZERO);
+                    loop {
+                        self.extend(trial, ticks, more, curved);
                         missing += more;
+                        search.ticks = ticks_after(ticks, missing);
+                        let Some(index) = search.event.filter(|_| curved) else { break };
+                        // The tangent misses the event by the square of the time.
+                        let guard = self.guard(index, &trial.end, search.ticks);
+                        (more, curved) = (guard.value / -guard.rate, false);
+                        let is_within = ticks_after(ticks, missing + more) <= search.most;
+                        if !(guard.rate < S::ZERO && more.abs() < missing.abs() && is_within) {
+                            break;
+                        }
                     }
                 }
-                search.ticks = ticks_after(ticks, missing);
+                reached => return matches!(reached, Reached::Beyond),
             }
         }
-        !search.predicted && self.turns(search, search.event.unwrap_or(index), &{ trial.end })
+        // Without a prediction only an attempt shows whether a guard falls.
+        !search.predicted && {
+            search.done |= search.event.map_or(0, |index| 1 << index);
+            self.approaches(search, &{ trial.end })
+        }
     }
 
-    /// The seconds from the end of an attempt to the first fall of a guard, at most `missing` to that of guard `index`. The
-    /// search ends at that guard.
-    ///
-    /// The order of events within the time that an attempt is extended over is that of their guards' tangents.
+    /// What follows an attempt to `end` at which guard `index` has fallen or was to fall.
     #[cold]
     #[inline(never)]
-    fn first_within(&self, search: &mut Search<S>, index: usize, missing: S, end: &Point<S, N, P>) -> S {
-        let mut first = missing;
+    fn reaches(&self, search: &mut Search<S>, index: usize, end: &Point<S, N, P>) -> Reached<S> {
+        let (ticks, extension) = (search.ticks, self.extension());
+        let guard = self.guard(index, end, ticks);
+        let reached = search.reach(&guard, index, &extension);
+        if matches!(reached, Reached::Past) {
+            return if self.approaches(search, end) { Reached::Beyond } else { Reached::Clear };
+        }
+        // The predicted circuit can conduct before an impact, and that of the attempt after it.
+        if (guard.value > S::ZERO || !matches!(reached, Reached::Beyond))
+            && let Some(fall) = self.expected_fall([ticks; 2], end, 1 << index, true)
+            && search.return_to(fall, index, ticks)
+        {
+            return Reached::Beyond;
+        }
+        let Reached::Near { mut missing, curved } = reached else { return reached };
+        // The order of events within the time that an attempt is extended over is that of their guards' tangents.
         search.event = Some(index);
-        self.each_guard(end, search.ticks, |other, Guard { value, rate }| {
-            let missing = value / -rate;
-            if other != index && rate < S::ZERO && missing < first && search.is_near(missing) {
-                (first, search.event) = (missing, Some(other));
+        self.each_guard(end, ticks, |other, Guard { value, rate }| {
+            let sooner = value / -rate;
+            if other != index && rate < S::ZERO && sooner < missing && extension.is_near(sooner, ticks) {
+                (missing, search.event) = (sooner, Some(other));
             }
         });
-        first
+        Reached::Near { missing, curved }
     }
 
-    /// Whether the search for an event returns to another guard that has fallen in an attempt of `ticks`.
-    ///
-    /// The predicted circuit can conduct before an impact, and that of the attempt after it.
-    #[cold]
-    #[inline(never)]
-    fn returns(&self, search: &mut Search<S>, index: usize, ticks: u32, end: &Point<S, N, P>) -> bool {
-        match self.certain_fall(ticks, end, 1 << index) {
-            Some(fall) => search.return_to(fall, index, ticks),
-            None => false,
+    /// The limits of an extension of an attempt.
+    #[inline]
+    fn extension(&self) -> Extension<S> {
+        let flow = self.automaton.flow(self.mode);
+        Extension {
+            angular_frequency: self.scale.angular_frequency,
+            in_layer: self.after_jump && flow.boundary_layer(&self.start.state).is_some(),
+            cube: (S::from_f64(EXTENSION_PART) * self.accuracy()).max(S::EPSILON),
         }
     }
 
@@ -111,99 +121,89 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
     fn continues(&self, search: &mut Search<S>, prediction: &M::Prediction) -> bool {
         let end = self.predicted_end(search.ticks, prediction);
         match search.event {
-            None => match self.expected_fall([search.ticks, search.most], &end, 0) {
-                Some(fall) => search.approach(fall),
-                None => false,
-            },
-            // Copies: the end of every prediction would otherwise be written to memory.
-            Some(index) => match search.advance(&self.guard(index, &end, search.ticks)) {
-                Next::Located => self.turns(search, index, &{ end }),
-                Next::Half(_) if self.turns_early(search, index, &{ end }) => true,
-                Next::Near(ticks) | Next::Half(ticks) => {
-                    search.ticks = ticks;
-                    true
-                }
-            },
+            None => self
+                .expected_fall([search.ticks, search.most], &end, 0, false)
+                .is_some_and(|fall| search.approach(fall)),
+            // A copy: the end of every prediction would otherwise be written to memory.
+            Some(index) => self.narrows(search, index, &{ end }),
         }
     }
 
-    /// Whether the search turns to another guard that falls before the located one.
-    ///
-    /// Along the whole step such a fall can be hidden, as a slider's turn just beyond the centre.
+    /// Whether the search for the fall of guard `index` needs another prediction than that to `end`.
     #[cold]
     #[inline(never)]
-    fn turns(&self, search: &mut Search<S>, index: usize, end: &Point<S, N, P>) -> bool {
-        search.done |= 1 << index;
-        self.approaches(search, end)
-    }
-
-    /// Whether the search leaves a guard that is above zero at `end` for another one that is below zero there.
-    ///
-    /// The other one falls first. Beyond its fall the first one can be without meaning: the voltage of a parasitic
-    /// capacitance has a pole at a gap below zero.
-    #[cold]
-    #[inline(never)]
-    fn turns_early(&self, search: &mut Search<S>, index: usize, end: &Point<S, N, P>) -> bool {
+    fn narrows(&self, search: &mut Search<S>, index: usize, end: &Point<S, N, P>) -> bool {
         let done = search.done | 1 << index;
-        let Some(fall) = self.certain_fall(search.ticks, end, done) else { return false };
-        search.done = done;
-        search.approach(fall)
+        match search.advance(&self.guard(index, end, search.ticks), &self.extension()) {
+            Next::Located => {
+                // Along the whole step the fall of another guard can be hidden, as a slider's turn just beyond the centre.
+                search.done = done;
+                self.approaches(search, end)
+            }
+            // Another guard that is below zero falls before one that is above. Beyond its fall the first one can be without
+            // meaning: the voltage of a parasitic capacitance has a pole at a gap below zero.
+            Next::Half(half) => {
+                let Some(fall) = self.expected_fall([search.ticks; 2], end, done, true) else {
+                    search.ticks = half;
+                    return true;
+                };
+                search.done = done;
+                search.approach(fall)
+            }
+            Next::Near(ticks) => {
+                search.ticks = ticks;
+                true
+            }
+        }
     }
 
     /// Whether a guard that was not located is expected to fall before `end`. The search then continues there.
     #[cold]
     #[inline(never)]
     fn approaches(&self, search: &mut Search<S>, end: &Point<S, N, P>) -> bool {
-        match self.expected_fall([search.ticks; 2], end, search.done) {
-            Some(fall) => search.approach(fall),
-            None => false,
-        }
-    }
-
-    /// The guard that falls first in the step to `end` of those that are at or below zero there and were not due at the
-    /// start, without a bit in `done`. A graze that is expected before it does not hide it.
-    fn certain_fall(&self, ticks: u32, end: &Point<S, N, P>, done: u32) -> Option<Fall> {
-        let mut stay = done;
-        self.each_guard(end, ticks, |index, guard| {
-            let stays = guard.value > S::ZERO || self.guard(index, self.start, 0).is_due();
-            stay |= u32::from(stays) << index;
-        });
-        self.expected_fall([ticks; 2], end, stay)
+        let fall = self.expected_fall([search.ticks; 2], end, search.done, false);
+        fall.is_some_and(|fall| search.approach(fall))
     }
 
     /// The guard that is expected to fall first in the step of `ticks` to `point`, or soon after it within `most`, among
-    /// those without a bit in `done`.
+    /// those without a bit in `done`; if `certain`, among those that are at or below zero there and were not due at the
+    /// start. A graze that is expected before it does not hide it.
     #[inline(always)]
-    fn expected_fall(&self, [ticks, most]: [u32; 2], point: &Point<S, N, P>, done: u32) -> Option<Fall> {
+    fn expected_fall(
+        &self,
+        [ticks, most]: [u32; 2],
+        point: &Point<S, N, P>,
+        done: u32,
+        certain: bool,
+    ) -> Option<Fall> {
+        let [step, beyond] = [ticks, most.saturating_sub(ticks)].map(seconds_of_ticks::<S>);
         let mut first: Option<Fall> = None;
         self.each_guard(point, ticks, |index, end| {
-            if done & (1 << index) == 0
-                && let Some(ticks) = self.fall_of(index, &end, [ticks, most])
+            let is_above = end.value > S::ZERO;
+            if done & (1 << index) != 0 || certain && is_above {
+                return;
+            }
+            // Without a start the guard falls soon after the end: a step that ended just before an event would be followed by
+            // a short one.
+            let start = (!is_above || end.rate > S::ZERO).then(|| self.guard(index, self.start, 0));
+            // A guard that rises at both ends can have a minimum, but not below zero if its cubic's third Bernstein coefficient
+            // is above.
+            let least = S::from_f64(1.0 / 3.0) * step * end.rate.max(S::ZERO);
+            let stays = match &start {
+                None => !(end.value < -end.rate * beyond),
+                Some(start) => end.value > least && !(start.rate < S::ZERO) || certain && start.is_due(),
+            };
+            if stays {
+                return;
+            }
+            let falls = approximate_fall(start, end, [ticks, most]);
+            if let Some(ticks) = falls
                 && first.is_none_or(|earliest| ticks < earliest.ticks)
             {
-                first = Some(Fall { index, ticks, certain: !(end.value > S::ZERO) });
+                first = Some(Fall { index, ticks, certain: !is_above });
             }
         });
         first
-    }
-
-    /// A guess of the ticks at which guard `index` falls in a step to `end`, or soon after it within `most`.
-    #[inline(always)]
-    fn fall_of(&self, index: usize, end: &Guard<S>, [ticks, most]: [u32; 2]) -> Option<u32> {
-        if end.value > S::ZERO && !(end.rate > S::ZERO) {
-            // A step that ended just before an event would be followed by a short one.
-            let soon = end.value < -end.rate * seconds_of_ticks(most.saturating_sub(ticks));
-            return soon.then(|| ticks_after(ticks, end.value / -end.rate).min(most));
-        }
-        let (start, step) = (self.guard(index, self.start, 0), seconds_of_ticks(ticks));
-        // A guard that rises at both ends can have a minimum, but not below zero if its cubic's third Bernstein coefficient is above.
-        let least = S::from_f64(1.0 / 3.0) * step * end.rate.max(S::ZERO);
-        if end.value > least && !(start.rate < S::ZERO) {
-            return None;
-        }
-        let margin = S::from_f64(NEAR_ZERO) * (start.value + end.value);
-        let theta = start.until(end, step).approximate_fall(margin)?;
-        Some((theta * S::from_u32(ticks)).to_u32().max(1).min(ticks))
     }
 
     /// Extends a step of `ticks` by `missing` seconds, which may be negative: along its derivative at the end or, if
@@ -234,4 +234,20 @@ impl<S: Scalar, A: Automaton<S, N, P>, E: Excitation<S>, M: Method<S>, const N: 
         }
         self.automaton.flow(self.mode).correct_energies(&start.state, &end.state, &mut trial.energies);
     }
+}
+
+/// A guess of the ticks at which a guard falls in a step of `ticks` or, without a value at its start, after it within `most`.
+#[cold]
+#[inline(never)]
+fn approximate_fall<S: Scalar>(
+    start: Option<Guard<S>>,
+    end: Guard<S>,
+    [ticks, most]: [u32; 2],
+) -> Option<u32> {
+    let Some(start) = start else {
+        return Some(ticks_after(ticks, end.value / -end.rate).min(most));
+    };
+    let margin = S::from_f64(NEAR_ZERO) * (start.value + end.value);
+    let theta = start.until(&end, seconds_of_ticks(ticks)).approximate_fall(margin)?;
+    Some((theta * S::from_u32(ticks)).to_u32().max(1).min(ticks))
 }

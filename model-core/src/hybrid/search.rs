@@ -67,20 +67,50 @@ pub(super) struct Search<S> {
     corrections: u32,
     /// The magnitude in s of the last correction.
     missing: S,
-    /// In rad/s, of the motion.
-    angular_frequency: S,
-    /// Whether the step begins in a boundary layer.
-    in_layer: bool,
-    /// The largest cube of a time, in radians and in steps, over which a parabola is exact.
-    cube: S,
 }
 
-/// Part of the accuracy of a step that the extension to an event may be off, at least a rounding.
-const EXTENSION_PART: f64 = 1e-5;
+/// The limits of an extension of an attempt to an event.
+pub(super) struct Extension<S> {
+    /// In rad/s, of the motion.
+    pub(super) angular_frequency: S,
+    /// Whether the step begins in a boundary layer.
+    pub(super) in_layer: bool,
+    /// The largest cube of a time, in radians and in steps, over which a parabola is exact.
+    pub(super) cube: S,
+}
+
+impl<S: Scalar> Extension<S> {
+    /// Whether [`Attempts::extend`] is exact to a small part of the error of the step over a time after `ticks`, or the time is
+    /// below a tick.
+    pub(super) fn is_near(&self, seconds: S, ticks: u32) -> bool {
+        // A bounce that is short against a radian must keep its own energy.
+        let part = seconds / seconds_of_ticks(ticks);
+        self.is_brief(seconds) && part * part <= S::EPSILON
+            || self.is_curved(seconds, ticks)
+            || seconds.abs() <= seconds_of_ticks(1)
+    }
+
+    /// Whether a line over a time is exact to rounding, in radians of the motion.
+    fn is_brief(&self, seconds: S) -> bool {
+        let radians = seconds * self.angular_frequency;
+        radians * radians <= S::EPSILON
+    }
+
+    /// Whether over a time after `ticks` a parabola is exact to a small part of the error of the step and a line is not.
+    ///
+    /// The time is above the root of a rounding in radians: the parabola over a much shorter step would be that of its
+    /// roundings. In a boundary layer the derivative at the start is not that of the step.
+    fn is_curved(&self, seconds: S, ticks: u32) -> bool {
+        let part = (seconds / seconds_of_ticks(ticks)).abs();
+        let radians = (seconds * self.angular_frequency).abs();
+        let largest = part.max(radians);
+        !self.in_layer && !self.is_brief(seconds) && largest * largest * largest <= self.cube
+    }
+}
 
 impl<S: Scalar> Search<S> {
-    /// Of a step of `ticks` to an accuracy, or of at most `most` ticks if an event follows.
-    pub(super) fn within([ticks, most]: [u32; 2], angular_frequency: S, accuracy: S, in_layer: bool) -> Self {
+    /// Of a step of `ticks`, or of at most `most` ticks if an event follows.
+    pub(super) fn within([ticks, most]: [u32; 2]) -> Self {
         Self {
             ticks,
             event: None,
@@ -94,36 +124,7 @@ impl<S: Scalar> Search<S> {
             left: MOST_PREDICTIONS,
             corrections: MOST_CORRECTIONS,
             missing: S::INFINITY,
-            angular_frequency,
-            in_layer,
-            cube: (S::from_f64(EXTENSION_PART) * accuracy).max(S::EPSILON),
         }
-    }
-
-    /// Whether [`Attempts::extend`] is exact to a small part of the error of the step over a time, or the time is below a tick.
-    pub(super) fn is_near(&self, seconds: S) -> bool {
-        // A bounce that is short against a radian must keep its own energy.
-        let part = seconds / seconds_of_ticks(self.ticks);
-        self.is_brief(seconds) && part * part <= S::EPSILON
-            || self.is_curved(seconds)
-            || seconds.abs() <= seconds_of_ticks(1)
-    }
-
-    /// Whether a line over a time is exact to rounding, in radians of the motion.
-    fn is_brief(&self, seconds: S) -> bool {
-        let radians = seconds * self.angular_frequency;
-        radians * radians <= S::EPSILON
-    }
-
-    /// Whether over a time a parabola is exact to a small part of the error of the step and a line is not.
-    ///
-    /// The time is above the root of a rounding in radians: the parabola over a much shorter step would be that of its
-    /// roundings. In a boundary layer the derivative at the start is not that of the step.
-    fn is_curved(&self, seconds: S) -> bool {
-        let part = (seconds / seconds_of_ticks(self.ticks)).abs();
-        let radians = (seconds * self.angular_frequency).abs();
-        let largest = part.max(radians);
-        !self.in_layer && !self.is_brief(seconds) && largest * largest * largest <= self.cube
     }
 
     /// Continues near an expected fall within the present step or soon after it.
@@ -150,13 +151,11 @@ impl<S: Scalar> Search<S> {
     }
 
     /// Takes the guard at the end of a prediction.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn advance(&mut self, guard: &Guard<S>) -> Next {
+    pub(super) fn advance(&mut self, guard: &Guard<S>, extension: &Extension<S>) -> Next {
         let Guard { value, rate } = *guard;
         let missing = value / -rate;
         self.left -= 1;
-        if rate < S::ZERO && self.is_near(missing) || self.far - self.short <= 1 {
+        if rate < S::ZERO && extension.is_near(missing, self.ticks) || self.far - self.short <= 1 {
             self.left = 0;
             return Next::Located;
         }
@@ -180,11 +179,7 @@ impl<S: Scalar> Search<S> {
     }
 
     /// Takes guard `index` at the end of an attempt.
-    ///
-    /// The attempt is no argument: every attempt would then be written to memory.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn reach(&mut self, guard: &Guard<S>, index: usize) -> Reached<S> {
+    pub(super) fn reach(&mut self, guard: &Guard<S>, index: usize, extension: &Extension<S>) -> Reached<S> {
         let missing = guard.value / -guard.rate;
         let there = ticks_after(self.ticks, missing);
         if self.of_prediction {
@@ -213,8 +208,8 @@ impl<S: Scalar> Search<S> {
         // Where the correction does not shrink, the guard is known no better: its value is a rounding.
         let stalls = missing.abs() > S::from_f64(0.5) * self.missing;
         self.missing = missing.abs();
-        if is_falling && (self.is_near(missing) || stalls && self.is_brief(missing)) {
-            return Reached::Near { missing, curved: self.is_curved(missing) };
+        if is_falling && (extension.is_near(missing, self.ticks) || stalls && extension.is_brief(missing)) {
+            return Reached::Near { missing, curved: extension.is_curved(missing, self.ticks) };
         }
         let is_inside = is_falling && there > self.short && (there < self.far || !self.falls);
         // A guard that is a stair of its roundings leads out of the bracket: the event is at its known end.

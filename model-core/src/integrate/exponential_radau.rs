@@ -22,7 +22,7 @@
 mod stages;
 
 use self::stages::{AT_START, CUBIC, NODES, Path, STAGES, Stages, solve, weighted};
-use super::{Attempt, CircuitEquation, Input, Method, NotConverged, Point, System, Trial};
+use super::{Attempt, BoundaryLayer, CircuitEquation, Input, Method, NotConverged, Point, System, Trial};
 use crate::clock::seconds_of_ticks;
 use crate::oscillator::{Kernel, Oscillator, Response};
 use crate::scalar::{Mathematics, Scalar, add_increment};
@@ -72,7 +72,8 @@ pub struct Prediction<S> {
     oscillator: Oscillator<S>,
     kernel: Kernel<S>,
     response: Response<S>,
-    /// The rate of the circuit's state at the start, beyond a boundary layer.
+    /// The boundary layer at the start, and the rate of the circuit's state beyond it.
+    layer: Option<BoundaryLayer<S>>,
     rate: S,
     /// The force per mass at the start, in m/s².
     force: S,
@@ -93,10 +94,10 @@ const RESOLVED: f64 = 0.05;
 fn add_layer<S: Scalar, const N: usize, const P: usize, Y: System<S, N, P>>(
     system: &Y,
     start: &Point<S, N, P>,
+    layer: &BoundaryLayer<S>,
     step: S,
     energies: &mut [S; P],
 ) {
-    let Some(layer) = system.boundary_layer(&start.state) else { return };
     let relaxation = layer.relaxation;
     let turns = step * relaxation;
     if !(turns > S::from_f64(RESOLVED)) {
@@ -192,7 +193,9 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         let step = seconds_of_ticks(ticks);
         let kernel = Kernel::new(&oscillator, step);
         let response = input.response(ticks, &kernel);
-        let settled = attempt.settled_derivative(system);
+        let (layer, rate) = attempt.settled_rate(system);
+        let mut settled = *derivative;
+        settled[Y::CIRCUIT] = rate;
         let rise = step * system.force_rate(state, &settled);
         // The force less the restoring force: no difference of large numbers.
         let pull = derivative[VELOCITY]
@@ -208,7 +211,7 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         };
         let deflection = (state[POSITION] - oscillator.rest) + remainder[POSITION];
         let force = pull + oscillator.stiffness * deflection;
-        Some(Prediction { oscillator, kernel, response, rate: settled[Y::CIRCUIT], force, rise, change })
+        Some(Prediction { oscillator, kernel, response, layer, rate, force, rise, change })
     }
 
     #[inline(always)]
@@ -294,14 +297,17 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
             *energy = step * weighted(&STAGES[2], &[*energy, *second, *third]);
         }
         system.correct_energies(&start.state, &end.state, &mut energies);
-        if attempt.after_jump && stages.active {
-            add_layer(system, start, step, &mut energies);
+        let (layer, rate) = match prediction {
+            Some(prediction) => (prediction.layer, prediction.rate),
+            None => attempt.settled_rate(system),
+        };
+        if let Some(layer) = &layer
+            && stages.active
+        {
+            add_layer(system, start, layer, step, &mut energies);
         }
         let mut settled = start.derivative;
-        settled[Y::CIRCUIT] = match prediction {
-            Some(prediction) => prediction.rate,
-            None => attempt.settled_derivative(system)[Y::CIRCUIT],
-        };
+        settled[Y::CIRCUIT] = rate;
         let at_start = system.powers(&start.state, &settled, inputs[0]);
         let energy_error = step * energy_error_rate(&at_start, &powers);
         let sum = end.state.iter().chain(&end.derivative).fold(error + energy_error, |sum, &term| sum + term);

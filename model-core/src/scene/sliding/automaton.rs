@@ -94,21 +94,27 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// The boundary layer of the circuit at a state; `None` without a resistor.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn boundary_layer(&self, mode: Mode, state: &[S; STATES]) -> Option<BoundaryLayer<S>> {
-        if !matches!(self.load.resistance(), Resistance::Finite(_)) {
-            return None;
-        }
-        let [displacement, velocity, charge] = *state;
+        matches!(self.load.resistance(), Resistance::Finite(_)).then(|| self.layer(mode, *state))
+    }
+
+    /// The boundary layer of a circuit with a resistor.
+    #[inline(never)]
+    fn layer(&self, mode: Mode, [displacement, velocity, charge]: [S; STATES]) -> BoundaryLayer<S> {
         let ahead = mode.is_ahead(displacement);
         let relaxation = self.relaxation(&self.circuit(ahead, displacement, charge));
         let following = self.following_current(ahead, displacement, velocity);
-        Some(BoundaryLayer { relaxation, following, scale: self.surface.tribo_charge })
+        BoundaryLayer { relaxation, following, scale: self.surface.tribo_charge }
     }
 
-    /// The rate of the charge after an event, for a step of length `step` in s, from the rate `before` the event.
+    /// The rate of the charge after an event, for a step of length `step` in s, from the rate `before` the event; of length 0,
+    /// inside the boundary layer.
     #[inline]
     fn charge_rate_from(&self, before: S, mode: Mode, state: &[S; STATES], step: S) -> S {
+        if step == S::ZERO && matches!(self.load.resistance(), Resistance::Finite(_)) {
+            return before;
+        }
         self.boundary_layer(mode, state).map_or(S::ZERO, |layer| layer.settled(before, step))
     }
 }
