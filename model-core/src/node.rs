@@ -35,7 +35,8 @@ pub use tier::{
     TaskLedger, Tier, Wake,
 };
 pub use voltage::{
-    BatteryElement, CapacitorElement, Element, Tolerances, VoltageNode, VoltageParameters, VoltageState,
+    BatteryElement, CapacitorElement, Element, LearntCapacitance, Tolerances, VoltageNode, VoltageParameters,
+    VoltageState,
 };
 
 pub use crate::energy::{Battery, Capacitor, ResponseMap, StorageParameters};

@@ -159,6 +159,15 @@ where
         self.board
     }
 
+    /// The same with another node of the same storage, as of [learnt parameters](super::LearntCapacitance::parameters). Call it while
+    /// it is idle. It reads the voltage; of the time since the last reading nothing is said.
+    #[must_use]
+    pub fn with_node<'n>(mut self, node: &'n N) -> Runner<'n, B, N> {
+        let code = self.board.storage_code();
+        let wake = node.wake_after(&mut self.state, Outage::Unknown, code);
+        Runner { board: self.board, node, state: self.state, wake, is_sampling: false, newest: self.newest }
+    }
+
     /// Does what the node said, one thing, and asks it again. Only [`Board::sleep`] takes time.
     pub fn step(&mut self) -> Step {
         match self.wake.task {

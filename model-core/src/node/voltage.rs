@@ -10,16 +10,18 @@
 //! A reading replaces `E`, because any income may have come since the one before; readings of one second average their noise. At
 //! the end of an hour the node reads again at once while the noise is an eighth or more of what is uncertain of the hour.
 //!
-//! The errors of the standing power, the actions, the leakage, the capacitance and the converter's reference are the same at all
+//! The errors of the standing power, the actions, the leakage, the capacitance, the efficiencies and the converter's reference are the same at all
 //! times: they count by the whole energy that they are of, and no bound falls with time as if they averaged out.
 
 mod beside;
+mod capacitance;
 mod element;
 mod parameters;
 #[cfg(test)]
 pub(super) mod tests;
 
 pub(super) use beside::{Beside, VoltageEstimate};
+pub use capacitance::LearntCapacitance;
 pub use element::{BatteryElement, CapacitorElement, Element};
 pub use parameters::{Tolerances, VoltageParameters};
 
@@ -252,10 +254,12 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     fn income(&self, books: &Books, state: &VoltageState<ACTIONS>) -> IncomeOfTime {
         let gone = books.standing + books.spent + books.leaked + books.shunted - state.out;
         let deviation = Scalar::sqrt(self.uncertainty(books, state));
+        let energy = self.per_stored * Scalar::max(state.read - books.begin + gone, 0.0);
+        let of_charging = BOUND * self.parameters.tolerances.charging * energy;
         IncomeOfTime {
             seconds: books.seconds.saturating_sub(state.since),
-            energy: self.per_stored * Scalar::max(state.read - books.begin + gone, 0.0),
-            bound: self.per_stored * (BOUND * deviation + books.doubt),
+            energy,
+            bound: self.per_stored * (BOUND * deviation + books.doubt) + of_charging,
             silent: books.silent,
         }
     }

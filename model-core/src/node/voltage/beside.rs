@@ -47,10 +47,12 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     /// The estimate by the last two readings.
     pub(in crate::node) fn estimated(&self, state: &VoltageState<ACTIONS>) -> VoltageEstimate {
         let per_time = self.per_stored / real(state.over.max(1));
-        let lasting = self.lasting_error(state.income, self.standing * real(state.over));
+        let of_charging = self.parameters.tolerances.charging * state.income;
+        let of_charging = of_charging * of_charging;
+        let lasting = self.lasting_error(state.income, self.standing * real(state.over)) + of_charging;
         VoltageEstimate {
             power: state.income * per_time,
-            variance: state.of_income * per_time * per_time,
+            variance: (state.of_income + of_charging) * per_time * per_time,
             lasting: lasting * per_time * per_time,
         }
     }

@@ -41,6 +41,8 @@ pub struct Tolerances {
     pub action: f32,
     /// Of the capacitance, 0 to 0.3.
     pub capacitance: f32,
+    /// Of the efficiency of charging, 0 to 1: of charging and discharging where the capacitance is [learnt](super::LearntCapacitance).
+    pub charging: f32,
     /// Of the leakage, 0 to 10.
     pub leakage: f32,
     /// Of the converter's reference with its divider, 0 to 0.1.
@@ -55,6 +57,7 @@ impl Tolerances {
         standing: 0.0,
         action: 0.0,
         capacitance: 0.0,
+        charging: 0.0,
         leakage: 0.0,
         reference: 0.0,
         highest_voltage: 0.0,
@@ -149,8 +152,18 @@ impl<const ACTIONS: usize> VoltageParameters<ACTIONS> {
     }
 
     /// Voltage of a code in V.
-    const fn cell(&self) -> f32 {
+    pub(super) const fn cell(&self) -> f32 {
         self.converter.full_scale / (1_u32 << self.converter.bits) as f32
+    }
+
+    /// Variances in V² of a reading, and of the part of its error that lasts from reading to reading.
+    pub(super) const fn of_reading(&self) -> [f32; 2] {
+        let (cell, noise) = (self.cell(), self.converter.noise * self.converter.noise);
+        let width = cell * cell / 12.0;
+        // The error of rounding lasts as far as noise does not smooth it: by the first harmonic of a normal noise,
+        // exp(−4π² noise²), of which this is an upper bound.
+        let smooth = 39.48 * noise / (cell * cell);
+        [noise + width, width / (1.0 + smooth * (1.0 + smooth * (0.5 + smooth * (1.0 / 6.0))))]
     }
 
     /// Voltage in V from which on the storage may be full.
@@ -164,12 +177,7 @@ impl<const ACTIONS: usize> VoltageParameters<ACTIONS> {
     const fn node<E: Element>(self, element: E, numbers: Numbers) -> VoltageNode<ACTIONS, E> {
         let Self { storage, converter, tolerances, .. } = self;
         let Numbers { of_variance, of_drop, full, lock_out, leakage_rate, capacitance } = numbers;
-        let cell = self.cell();
-        let (noise, width) = (converter.noise * converter.noise, cell * cell / 12.0);
-        // The error of rounding lasts from reading to reading as far as noise does not smooth it: by the first harmonic of a
-        // normal noise, exp(−4π² noise²), of which this is an upper bound.
-        let smooth = 39.48 * noise / (cell * cell);
-        let lasting = width / (1.0 + smooth * (1.0 + smooth * (0.5 + smooth * (1.0 / 6.0))));
+        let [noise, lasting] = self.of_reading();
         let scale = capacitance * capacitance + 4.0 * tolerances.reference * tolerances.reference;
         let reference = 2.0 * tolerances.reference;
         // A drop of the energy by an action is another one than expected, for half of the time to the next reading.
@@ -177,7 +185,7 @@ impl<const ACTIONS: usize> VoltageParameters<ACTIONS> {
         VoltageNode {
             element,
             full_code: (1_u32 << converter.bits) - 1,
-            noise: of_variance * (noise + width + of_drop),
+            noise: of_variance * (noise + of_drop),
             lasting: of_variance * (lasting + of_drop),
             full,
             lock_out,
@@ -213,6 +221,7 @@ impl<const ACTIONS: usize> VoltageParameters<ACTIONS> {
             ("tolerances.standing", tolerances.standing, 0.0, 1.0),
             ("tolerances.action", tolerances.action, 0.0, 1.0),
             ("tolerances.capacitance", tolerances.capacitance, 0.0, 0.3),
+            ("tolerances.charging", tolerances.charging, 0.0, 1.0),
             ("tolerances.leakage", tolerances.leakage, 0.0, 10.0),
             ("tolerances.reference", tolerances.reference, 0.0, 0.1),
             ("tolerances.highest_voltage", tolerances.highest_voltage, 0.0, 0.1),

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::energy::{Capacitor, StorageParameters};
-use crate::node::{Converter, TaskLedger};
+use crate::node::{Board, Converter, Fault, Runner, TaskLedger};
 
-const STATED: VoltageParameters<2> = VoltageParameters {
+pub(super) const STATED: VoltageParameters<2> = VoltageParameters {
     storage: StorageParameters {
         capacitor: Capacitor { capacitance: 10e-3, leakage_resistance: 10e6 },
         charging_efficiency: 0.8,
@@ -43,12 +43,14 @@ struct Off {
     leakage: f64,
     standing: f64,
     action: f64,
+    charging: f64,
     reference: f64,
 }
 
 /// Before anything is known.
 const FIRST: Wake = Wake { task: Task::Sleep, again_in: 0, read: true };
-const NOT: Off = Off { capacitance: 1.0, leakage: 1.0, standing: 1.0, action: 1.0, reference: 1.0 };
+const NOT: Off =
+    Off { capacitance: 1.0, leakage: 1.0, standing: 1.0, action: 1.0, charging: 1.0, reference: 1.0 };
 
 #[derive(Clone)]
 struct Tank {
@@ -69,6 +71,9 @@ struct Tank {
     /// Whether actions are entered in the ledger, as done or failed.
     enters: Option<bool>,
     ledger: TaskLedger<2>,
+    learnt: LearntCapacitance,
+    /// Sum of the bounds of the hours after the first day in J.
+    bounds: f64,
 }
 
 /// Normal with the variance 1, as the sum of twelve even numbers.
@@ -100,6 +105,11 @@ impl Tank {
             wake: FIRST,
             enters: None,
             ledger: TaskLedger::EMPTY,
+            learnt: LearntCapacitance::new(&VoltageParameters {
+                tolerances: Tolerances { capacitance: 0.115, ..Tolerances::EXACT },
+                ..STATED
+            }),
+            bounds: 0.0,
         }
     }
 
@@ -115,7 +125,8 @@ impl Tank {
             let income = (self.income)(self.second);
             let voltage_squared = self.energy * 200.0 / self.off.capacitance;
             let standing = if is_on { 1e-6 * self.off.standing / 0.9 } else { 0.0 };
-            self.energy += 0.8 * income - standing - voltage_squared * self.off.leakage / 10e6;
+            self.energy +=
+                0.8 * self.off.charging * income - standing - voltage_squared * self.off.leakage / 10e6;
             self.shunted += (self.energy - full).max(0.0);
             self.energy = self.energy.min(full);
             self.harvested += income;
@@ -130,7 +141,10 @@ impl Tank {
             let (readings, mut code, mut ran) = (state.readings(), None, None);
             match self.wake.task {
                 Task::Run(index) => {
-                    self.energy -= [300e-6, 3e-3][index] * self.off.action / 0.9;
+                    let (energy, before) = ([300e-6, 3e-3][index], self.code());
+                    self.energy -= energy * self.off.action / 0.9;
+                    let (energy, codes) = (energy as f32, [before, self.code()]);
+                    self.learnt.learn(&STATED, [energy, 0.01 * energy], 0.0, [0.0; 2], codes);
                     self.ran[index] += 1;
                     ran = self.enters.map(|has_failed| (index, has_failed));
                 }
@@ -160,6 +174,7 @@ impl Tank {
         let is_inside = (f64::from(hour.energy) - truth).abs() <= f64::from(hour.bound);
         self.hours = [self.hours[0] + 1, self.hours[1] + u32::from(is_inside)];
         self.silent += u32::from(hour.silent > 0);
+        self.bounds += if self.second > 90_000 { f64::from(hour.bound) } else { 0.0 };
     }
 }
 
@@ -181,6 +196,7 @@ fn the_hours_and_the_sum_of_thirty_days_are_inside_their_bounds_whatever_part_is
         (Off { action: 1.05, ..NOT }, Tolerances { action: 0.03, ..exact }),
         (Off { capacitance: 0.8, ..NOT }, Tolerances { capacitance: 0.115, ..exact }),
         (Off { capacitance: 1.2, ..NOT }, Tolerances { capacitance: 0.115, ..exact }),
+        (Off { charging: 0.9, ..NOT }, Tolerances { charging: 0.06, ..exact }),
         (Off { leakage: 2.0, ..NOT }, Tolerances { leakage: 0.6, ..exact }),
         (Off { reference: 1.02, ..NOT }, Tolerances { reference: 0.012, ..exact }),
     ] {
@@ -201,7 +217,8 @@ fn the_hours_and_the_sum_of_thirty_days_are_inside_their_bounds_whatever_part_is
         );
         // What is wrong with a part stays wrong: the bound does not average it out.
         let relative = |income: IncomeOfTime| income.bound / income.energy;
-        let is_lasting = tolerances.standing + tolerances.action + tolerances.leakage > 0.0;
+        let Tolerances { standing, action, charging, leakage, .. } = tolerances;
+        let is_lasting = standing + action + charging + leakage > 0.0;
         assert!(!is_lasting || relative(sum) > 0.9 * relative(first), "{first:?} {sum:?}");
         // The actions are what the income pays for, and leave the reserve.
         assert!(tank.ran[0] > 15_000, "{:?}", tank.ran);
@@ -215,6 +232,73 @@ fn the_hours_and_the_sum_of_thirty_days_are_inside_their_bounds_whatever_part_is
             assert!((f64::from(task.energy) - used).abs() < 1e-6 * used, "{task:?} {used}");
         }
     }
+}
+
+#[test]
+fn a_node_with_the_learnt_capacitance_has_the_smaller_bound_and_goes_on() {
+    for capacitance in [0.8, 1.2] {
+        let tolerances = Tolerances { capacitance: 0.115, action: 0.01, ..Tolerances::EXACT };
+        let stated = VoltageParameters { tolerances, ..STATED };
+        let mut tank = Tank::new(Off { capacitance, action: 1.01, ..NOT }, day);
+        let (before, mut state) = (node(stated), node(stated).start(0));
+        tank.run(&before, &mut state, 86_400 + 1800);
+        let learnt = tank.learnt.parameters(stated);
+        let [found, off] = [learnt.storage.capacitor.capacitance, learnt.tolerances.capacitance];
+        assert!(
+            (f64::from(found) / (10e-3 * capacitance) - 1.0).abs() < 0.03 && off < 0.012,
+            "{found} {off}"
+        );
+        let (after, code) = (node(learnt), tank.code());
+        // The same hours, by both.
+        let mut other = (tank.clone(), state);
+        tank.wake = after.wake_after(&mut state, Outage::Unknown, Some(code));
+        tank.run(&after, &mut state, 3 * 86_400);
+        other.0.run(&before, &mut other.1, 3 * 86_400);
+        assert!(tank.hours[0] > 70 && tank.hours[1] + 1 >= tank.hours[0], "{:?}", tank.hours);
+        let sum = after.overall(&state);
+        assert!((f64::from(sum.energy) - tank.harvested).abs() <= f64::from(sum.bound), "{sum:?}");
+        assert!(tank.bounds < 0.6 * other.0.bounds, "{} {}", tank.bounds, other.0.bounds);
+    }
+}
+
+/// A storage at 3 V, and its second.
+struct Steady(u32);
+
+impl Board for Steady {
+    fn sleep(&mut self, seconds: u32, _: u32) -> u32 {
+        self.0 += seconds;
+        self.0
+    }
+    fn storage_code(&mut self) -> Option<u32> {
+        Some(2458)
+    }
+    fn run(&mut self, _: usize) {}
+    fn read_slot(&mut self, _: usize, _: &mut [u8]) {}
+    fn write_slot(&mut self, _: usize, _: &[u8]) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_runner_goes_on_with_another_capacitance_and_no_income_from_it() {
+    let mut half = *IDLE.parameters();
+    half.storage.capacitor = Capacitor { capacitance: 5e-3, leakage_resistance: 10e6 };
+    let (half, mut runner) = (node(half), Runner::new(Steady(0), &IDLE, 0));
+    while runner.board().0 < 8000 {
+        runner.step();
+    }
+    let (before, [stored, _]) = (IDLE.overall(runner.state()), IDLE.stored(runner.state()));
+    let mut runner = runner.with_node(&half);
+    let (after, [of_half, _]) = (half.overall(runner.state()), half.stored(runner.state()));
+    assert!((after.energy - before.energy).abs() < 1e-6 && before.energy > 5e-3, "{after:?} {before:?}");
+    assert!((of_half / stored - 0.5).abs() < 0.01, "{of_half} {stored}");
+    let hour = runner.state().last_hour();
+    while runner.state().last_hour() == hour {
+        runner.step();
+    }
+    // 1.11 µW of the standing power and 0.9 µW of the leakage, of which four fifths of the income are stored.
+    let hour = runner.state().last_hour().expect("an hour");
+    assert!((hour.energy - 9.05e-3).abs() < 1.5e-3, "{hour:?}");
 }
 
 #[test]
