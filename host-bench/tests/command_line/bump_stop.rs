@@ -1,6 +1,6 @@
 //! Bump-stop scenes: what is refused, and what a good run prints and writes.
 
-use super::tool::{accepted, file, folder, outcome, refused};
+use super::tool::{accepted, file, folder, number, outcome, refused, refused_scene};
 
 const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
 const TIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-tip.toml");
@@ -13,13 +13,7 @@ const SHORT: [&str; 4] =
 
 #[track_caller]
 fn refused_with(overrides: &[&str], parts: &[&str]) {
-    let mut arguments = vec!["run", SHIPPED, "--method", "reference"];
-    arguments.extend(overrides.iter().flat_map(|change| ["--set", change]));
-    refused(&arguments, parts);
-}
-
-fn number(outcome: &serde_json::Value, key: &str) -> f64 {
-    outcome[key].as_f64().unwrap_or_else(|| panic!("{key} is a number in {outcome}"))
+    refused_scene(SHIPPED, overrides, parts);
 }
 
 #[test]

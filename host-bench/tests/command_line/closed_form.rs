@@ -1,6 +1,6 @@
 //! Mean power without a trajectory: `closed-form`.
 
-use super::tool::{SHIPPED, accepted, file, folder, refused};
+use super::tool::{SHIPPED, accepted, file, folder, number, refused};
 
 const STOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
 const FREE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
@@ -10,10 +10,6 @@ const STORE: &str =
 fn of(arguments: &[&str]) -> serde_json::Value {
     let found = accepted(&[&["closed-form"], arguments, &["--format", "json"]].concat());
     serde_json::from_str(&found).expect("one JSON object")
-}
-
-fn number(found: &serde_json::Value, key: &str) -> f64 {
-    found[key].as_f64().expect("a number")
 }
 
 #[test]

@@ -55,14 +55,9 @@ fn the_changes_are_those_of_runs_of_the_reference_without_the_part() {
 
 #[test]
 fn a_part_is_needed_without_another_one() {
-    let overrides = [
-        "excitation.frequency_hz=60",
-        "run.duration_s=0.3",
-        "run.settle_s=0.2",
-        "parameters.beam_modes=4",
-        "load.resistance_ohm=1e5",
-        "parameters.piezo_d31_m_per_v=-75e-12",
-    ];
+    let overrides = "excitation.frequency_hz=60 run.duration_s=0.3 run.settle_s=0.2 parameters.beam_modes=4 \
+        load.resistance_ohm=1e5 parameters.piezo_d31_m_per_v=-75e-12";
+    let overrides: Vec<&str> = overrides.split(' ').collect();
     let found = needs(FREE, &overrides, &["--accuracy", "7e-3"]);
     let coupling = part(&found, "two-way coupling");
     assert_eq!(coupling["verdict"], "not-needed-alone", "{found}");

@@ -7,16 +7,8 @@ use super::tool::{PASSIVE, accepted, folder, refused};
 const BEAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
 const STOPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
 const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
-const SECTIONS: [&str; 8] = [
-    "Scene",
-    "Resonance",
-    "Load curve",
-    "Motion",
-    "Margins to physical limits",
-    "Stress and life",
-    "Tolerance",
-    "Day of the node",
-];
+const SECTIONS: &str =
+    "Scene,Resonance,Load curve,Motion,Margins to physical limits,Stress and life,Tolerance,Day of the node";
 
 /// The page of a scene, and the text of each section.
 fn sections(name: &str, arguments: &[&str]) -> (String, Vec<String>) {
@@ -30,15 +22,15 @@ fn sections(name: &str, arguments: &[&str]) -> (String, Vec<String>) {
         assert!(!body.contains(word), "{name}: {word}");
     }
     let headings = body.split("<h2>").skip(1).map(|part| part.split("</h2>").next().expect("a heading"));
-    assert_eq!(headings.collect::<Vec<_>>(), SECTIONS);
+    assert_eq!(headings.collect::<Vec<_>>().join(","), SECTIONS);
     let texts = body.split("<h2>").skip(1).map(str::to_owned).collect();
     (html, texts)
 }
 
 /// The sections that are left out, which say why.
 fn absent(texts: &[String]) -> Vec<&str> {
-    let all = SECTIONS.iter().zip(texts).filter(|(_, text)| text.contains("Left out: "));
-    all.map(|(name, _)| *name).collect()
+    let all = SECTIONS.split(',').zip(texts).filter(|(_, text)| text.contains("Left out: "));
+    all.map(|(name, _)| name).collect()
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The sliding scene: what it refuses, what it prints, and how a run ends that cannot be finished.
 
-use super::tool::{accepted, file, folder, host_bench, outcome, refused};
+use super::tool::{accepted, file, folder, host_bench, number, outcome, refused, refused_scene};
 
 /// The sliding scene that is shipped.
 const SLIDING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
@@ -10,13 +10,7 @@ const SHORT: [&str; 2] = ["run.duration_s=2", "run.settle_s=1"];
 
 #[track_caller]
 fn refused_with(overrides: &[&str], parts: &[&str]) {
-    let mut arguments = vec!["run", SLIDING, "--method", "reference"];
-    arguments.extend(overrides.iter().flat_map(|change| ["--set", change]));
-    refused(&arguments, parts);
-}
-
-fn number(outcome: &serde_json::Value, key: &str) -> f64 {
-    outcome[key].as_f64().unwrap_or_else(|| panic!("{key} is a number in {outcome}"))
+    refused_scene(SLIDING, overrides, parts);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The comparison of a bump-stop scene with and without its stop.
 
-use super::tool::{SHIPPED, accepted, refused};
+use super::tool::{SHIPPED, accepted, number, refused};
 
 const TIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-tip.toml");
 const NONE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
@@ -17,11 +17,6 @@ fn rows(arguments: &[&str]) -> Vec<serde_json::Value> {
 fn stated(arguments: &[&str]) -> Vec<serde_json::Value> {
     let arguments = [arguments, &SHORT, &["--format", "json"]].concat();
     serde_json::from_str(&accepted(&arguments)).expect("a list")
-}
-
-#[track_caller]
-fn number(row: &serde_json::Value, key: &str) -> f64 {
-    row[key].as_f64().unwrap_or_else(|| panic!("{key} is a number in {row}"))
 }
 
 /// One run without the stop for all positions: that of the scene that is shipped without it.

@@ -49,7 +49,13 @@ pub(super) fn refused(arguments: &[&str], parts: &[&str]) {
 /// Runs the shipped scene on the reference with some overrides; it must be refused.
 #[track_caller]
 pub(super) fn refused_with(overrides: &[&str], parts: &[&str]) {
-    let mut arguments = vec!["run", SHIPPED, "--method", "reference"];
+    refused_scene(SHIPPED, overrides, parts);
+}
+
+/// The same of another scene.
+#[track_caller]
+pub(super) fn refused_scene(scene: &str, overrides: &[&str], parts: &[&str]) {
+    let mut arguments = vec!["run", scene, "--method", "reference"];
     arguments.extend(overrides.iter().flat_map(|change| ["--set", change]));
     refused(&arguments, parts);
 }
@@ -69,4 +75,9 @@ pub(super) fn outcome(scene: &str, overrides: &[&str]) -> serde_json::Value {
     let mut arguments = vec!["run", scene, "--method", "reference", "--format", "json"];
     arguments.extend(overrides.iter().flat_map(|change| ["--set", change]));
     serde_json::from_str(&accepted(&arguments)).expect("one JSON object")
+}
+
+/// A number of an outcome.
+pub(super) fn number(outcome: &serde_json::Value, key: &str) -> f64 {
+    outcome[key].as_f64().unwrap_or_else(|| panic!("{key} is a number in {outcome}"))
 }

@@ -5,9 +5,10 @@ use model_core::clock::Instant;
 use model_core::excitation::Sine;
 use model_core::hybrid::{Driver, Ended};
 use model_core::integrate::{Adaptive, TrBdf2};
-use model_core::part::load::Resistor;
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
-use model_core::scene::sliding::{Choices, Parameters, PatchFriction, Start, TransferredCharge};
+use model_core::scene::sliding::{PatchFriction, Start};
+
+use crate::common::harvesters::sliding_parameters;
 
 /// Attempted steps of a slider with 1 Ω, 20 µC/m² and little friction, shaken at `frequency` for `seconds`.
 fn attempts<S: Scalar>(acceleration: f64, frequency: f64, seconds: f64) -> u32
@@ -15,25 +16,14 @@ where
     Polynomial: Mathematics<S>,
 {
     let number = S::from_f64;
-    let friction = PatchFriction {
+    let mut parameters = sliding_parameters::<S>();
+    parameters.charge_density = number(20e-6);
+    parameters.choices.load.resistance = S::ONE;
+    parameters.choices.friction = PatchFriction {
         static_active: number(0.06),
         static_inert: number(0.06),
         kinetic_active: number(0.05),
         kinetic_inert: number(0.04),
-    };
-    let parameters = Parameters {
-        beam_length: number(0.1),
-        beam_width: number(0.02),
-        beam_thickness: number(5e-4),
-        young_modulus: number(210e9),
-        density: number(7800.0),
-        damping_ratio: number(0.0035),
-        slider_mass: number(8e-3),
-        patch_radius: number(0.01),
-        dielectric_thickness: number(5e-5),
-        relative_permittivity: number(2.0),
-        charge_density: number(20e-6),
-        choices: Choices::new(Resistor { resistance: S::ONE }, friction).force_law(TransferredCharge),
     };
     let scene = parameters.build().expect("in bounds");
     let sine = Sine::<S>::new(number(acceleration), number(frequency), S::ZERO).expect("valid");
