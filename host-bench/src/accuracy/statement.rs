@@ -15,7 +15,7 @@ use crate::command::print_line;
 use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::{Accuracy, Fields, Outcome, fields, standard_error_of_sum};
-use crate::resolution::resonances;
+use crate::resolution::{natural_frequency_hz, resonances};
 use crate::run::run_scene;
 use crate::scene_file::{Draw, Excitation, Load, Scene, Tone, Trace};
 
@@ -30,6 +30,8 @@ const MORE_STEPS: f64 = 1.3;
 const SHORTER: f64 = 2.0 / 3.0;
 /// Mean step in radians of the fastest oscillation above which another tolerance takes hardly more steps: steps end at 0.8.
 const LONGEST: f64 = 0.6;
+/// Mean step in periods of the slowest oscillation above which its turns are missed.
+const QUARTER: f64 = 0.25;
 /// Relative difference of an RMS voltage from that in double precision above which a run warns.
 const RMS: f64 = 1e-2;
 /// Intervals of the smoother trace in one of the given trace.
@@ -68,6 +70,7 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     let is_lost = delivers(alike) && !delivers(outcome);
     let between_steps = between.filter(|_| !is_lost && !is_coarse(scene, &double));
     let is_missed = beyond_threshold(scene, alike).is_some();
+    let is_unresolved = !delivers(alike) && misses_turns(scene, alike);
     let rounding = exact.as_ref().and_then(|exact| difference(outcome, exact));
     let is_chaotic = !is_missed && chaotic(&mut runs, &double, alike, [between_steps, rounding]);
     let half = finer.as_ref().filter(|_| is_chaotic);
@@ -97,7 +100,7 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     if is_layered {
         accuracy.boundary_layers = accuracy.step;
     }
-    let is_unknown = is_missed || single && accuracy.rounding.is_none();
+    let is_unknown = is_missed || is_unresolved || single && accuracy.rounding.is_none();
     outcome.accuracy = if is_unknown { accuracy } else { accuracy.summed() };
 }
 
@@ -190,6 +193,12 @@ fn are_longest(scene: &Scene, outcome: &Outcome) -> bool {
     let (natural_hz, _) = resonances(scene, outcome);
     let fastest_hz = natural_hz.into_iter().chain(scene.excitation.single_frequency()).fold(0.0, f64::max);
     TAU * fastest_hz * mean_step(scene, outcome) > LONGEST
+}
+
+/// Whether the turns of the slowest oscillation fall between the ends of steps, and with them the largest motion.
+fn misses_turns(scene: &Scene, outcome: &Outcome) -> bool {
+    natural_frequency_hz(scene, outcome)
+        .is_some_and(|slowest_hz| slowest_hz * mean_step(scene, outcome) > QUARTER)
 }
 
 /// The mean step of a run in s.

@@ -27,8 +27,8 @@ pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
     let quantity = if is_power { "the mean power" } else { "the largest motion and the RMS voltage" };
     let Some(total) = accuracy.total else {
         return Some(format!(
-            "accuracy: the error of {quantity} is unknown: a run to compare with did not end or has the same steps, or one \
-             of the two delivers nothing"
+            "accuracy: the error of {quantity} is unknown: a run to compare with did not end or has the same steps, one \
+             of the two delivers nothing, or a step is longer than a quarter of a period"
         ));
     };
     let missed = asked.is_some_and(|asked| total > asked.max(LEAST));

@@ -20,6 +20,8 @@ const MORE_ATTEMPTS: u64 = 8;
 pub(super) const REFERENCE_TOLERANCE: f64 = 1e-10;
 /// Its tolerance for a run that is beyond its statement by it.
 pub(super) const CLOSER_TOLERANCE: f64 = 1e-12;
+/// Part of what the storage holds below which an energy is nothing: a full storage takes what the peaks between steps are above it.
+const NOTHING: f64 = 1e-6;
 /// Tolerances at which it must give the same numbers, with the parts of what is allowed: one of them may agree by chance.
 const LOOSER_TOLERANCES: [(f64, f64); 2] = [(1e-9, 0.5), (1e-8, 2.0)];
 
@@ -28,7 +30,7 @@ const LOOSER_TOLERANCES: [(f64, f64); 2] = [(1e-9, 0.5), (1e-8, 2.0)];
 pub(super) struct Numbers {
     /// Mean power in W.
     power_w: f64,
-    /// Whether the energy delivered is 0, or within the reference's tolerance of what the storage holds.
+    /// Whether the energy delivered is 0, or nothing beside what the storage holds.
     is_nothing: bool,
     /// Peak gap, amplitude of the slider, or peak displacement of the tip in m.
     motion_m: f64,
@@ -54,7 +56,7 @@ impl Numbers {
         let stored_j = outcome.store.as_ref().and_then(|store| store.stored_energy_j).unwrap_or(0.0);
         Some(Self {
             power_w: outcome.mean_power_w?,
-            is_nothing: outcome.delivered_energy_j?.abs() <= REFERENCE_TOLERANCE * stored_j.max(0.0),
+            is_nothing: outcome.delivered_energy_j?.abs() <= NOTHING * stored_j.max(0.0),
             motion_m: outcome.largest_motion_m()?,
             voltage_v: outcome.rms_voltage_v.unwrap_or(0.0),
             block_energies_j: outcome.block_energies_j.clone(),

@@ -376,16 +376,13 @@ mod tests {
         assert!(found.reason.ends_with("instead of 1e0 W"), "{found:?}");
     }
 
-    /// In single precision each half of the window is up to 3 % off and warns, the whole 0.5 %.
+    /// Halves of a window that are lost to rounding and warn, a mode whose period is within a step, a storage full to the last 10⁻⁷.
     #[test]
-    fn halves_of_a_power_that_rounding_takes_break_no_identity() {
-        let case = draw_varied(20_261_128, 17_487);
-        let found = judge(&case, Effort { by_reference: true, ..EFFORT });
-        assert_eq!((found.class, found.by_reference), (Class::Right, true), "{found:?}");
-        let options = Options { precision: Some(Precision::F32), ..Options::default() };
-        let scene = case.read().expect("a scene");
-        let energy_j = run_scene(&scene, &options).expect("runs").delivered_energy_j.expect("a power");
-        assert!(split_error(&scene, &options, energy_j).is_some_and(|error| error > RIGHT[1]));
+    fn cases_that_were_called_wrong_are_right_or_warn() {
+        for (number, class) in [(17_487, Class::Right), (1_239, Class::Warned), (15_947, Class::Right)] {
+            let found = judge(&draw_varied(20_261_128, number), Effort { by_reference: true, ..EFFORT });
+            assert_eq!((found.class, found.by_reference), (class, true), "{found:?}");
+        }
     }
 
     #[test]
