@@ -78,13 +78,23 @@ fn put<T>(place: Place<'_, T>, value: T) {
 /// An array of the importer.
 fn array<'a, T>(values: *const T, count: usize) -> &'a [T] {
     // SAFETY: the importer passes an array of `count` values, valid for the call.
-    if values.is_null() { &[] } else { unsafe { slice::from_raw_parts(values, count) } }
+    if values.is_null() || count == 0 { &[] } else { unsafe { slice::from_raw_parts(values, count) } }
 }
 
 /// An array of the importer for results.
 fn places<'a, T>(values: *mut MaybeUninit<T>, count: usize) -> &'a mut [MaybeUninit<T>] {
     // SAFETY: the importer passes room for `count` values, valid for the call and not read or written by others.
-    if values.is_null() { &mut [] } else { unsafe { slice::from_raw_parts_mut(values, count) } }
+    if values.is_null() || count == 0 { &mut [] } else { unsafe { slice::from_raw_parts_mut(values, count) } }
+}
+
+/// Value references with as many values: all variables are scalars.
+fn paired<I: ExactSizeIterator>(
+    at: &[u32],
+    values: I,
+) -> Result<impl Iterator<Item = (&u32, I::Item)>, Failure> {
+    let counts = (at.len(), values.len());
+    let error = || Failure::Input(format!("{} values for {} value references", counts.1, counts.0));
+    (counts.0 == counts.1).then(|| at.iter().zip(values)).ok_or_else(error)
 }
 
 /// A text of the importer; empty for null.
@@ -171,7 +181,7 @@ extern "C" fn fmi3GetFloat64(
     n: usize,
 ) -> Status {
     call(one, |instance| {
-        let mut pairs = array(at, count).iter().zip(places(values, n));
+        let mut pairs = paired(array(at, count), places(values, n).iter_mut())?;
         pairs.try_for_each(|(&reference, place)| {
             place.write(instance.simulation.get(reference as usize)?);
             Ok(())
@@ -188,7 +198,7 @@ extern "C" fn fmi3SetFloat64(
     n: usize,
 ) -> Status {
     call(one, |instance| {
-        let mut pairs = array(at, count).iter().zip(array(values, n));
+        let mut pairs = paired(array(at, count), array(values, n).iter())?;
         pairs.try_for_each(|(&reference, &value)| instance.simulation.set(reference as usize, value))
     })
 }
@@ -262,9 +272,12 @@ extern "C" fn fmi3DeserializeFMUState(
     one: One<'_>,
     bytes: *const u8,
     size: usize,
-    state: Option<&mut Option<Box<State>>>,
+    state: Place<'_, Option<Box<State>>>,
 ) -> Status {
-    call(one, |_| keep(state, array(bytes, size).to_vec()))
+    call(one, |_| {
+        put(state, Some(Box::new(State(array(bytes, size).to_vec()))));
+        Ok(())
+    })
 }
 
 /// Functions with one result. The caller removes arguments that a function does not name. An importer may need the symbols of

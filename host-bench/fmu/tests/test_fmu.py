@@ -54,7 +54,7 @@ class Fmu(unittest.TestCase):
         host_bench("export", scene, changes, "--fmu", file, "--library", BUILT / "libharvester_fmu.so")
         return file
 
-    def harvester(self, file, token=None):
+    def harvester(self, file, token=None, messages=None):
         """An instance with its messages, and the value references by name."""
         description = fmpy.read_model_description(file)
         made = fmpy.fmi3.FMU3Slave(
@@ -62,7 +62,7 @@ class Fmu(unittest.TestCase):
             modelIdentifier=description.coSimulation.modelIdentifier,
             unzipDirectory=fmpy.extract(file, tempfile.mkdtemp(dir=self.folder)),
         )
-        made.messages = []
+        made.messages = [] if messages is None else messages
         made.instantiate(logMessage=lambda *message: made.messages.append(message[-1].decode()))
         self.addCleanup(made.freeInstance)
         return made, {variable.name: variable.valueReference for variable in description.modelVariables}
@@ -165,7 +165,9 @@ class Fmu(unittest.TestCase):
         for call, text in calls:
             self.assertRaises(fmpy.fmi1.FMICallException, call)
             self.assertIn(text, one.messages[-1])
-        self.assertRaises(Exception, self.harvester, file, token="00000000")
+        messages = []
+        self.assertRaises(Exception, self.harvester, file, token="00000000", messages=messages)
+        self.assertIn("instantiationToken = 00000000: must be", messages[-1])
 
 
 if __name__ == "__main__":

@@ -20,8 +20,8 @@ const BY_ROUNDING: f64 = 1e-4;
 const DISPLACED: [f64; 4] = [1e-4, -1e-4, 2e-4, -2e-4];
 /// Most work of a statement of a chaotic motion, in runs, as long as each group has a displaced start.
 const MOST_WORK: u64 = 16;
-/// Standard errors that are stated: 95 % of Student's distribution with seven degrees of freedom, as a dozen runs of two groups
-/// have, are within 2.36.
+/// Standard errors that are stated: 95 % of Student's distribution with seven degrees of freedom, of nine runs in two groups, are
+/// within 2.36.
 const CONFIDENCE: f64 = 2.4;
 
 /// The energies delivered in the window, over displaced starts, in J; where none is, the largest motion in m or the RMS voltage in V.

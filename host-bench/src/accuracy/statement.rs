@@ -72,7 +72,8 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     let is_missed = beyond_threshold(scene, alike).is_some();
     let is_unresolved = !delivers(alike) && misses_turns(scene, alike);
     let rounding = exact.as_ref().and_then(|exact| difference(outcome, exact));
-    let is_chaotic = !is_missed && chaotic(&mut runs, &double, alike, [between_steps, rounding]);
+    let is_chaotic =
+        !is_missed && !is_unresolved && chaotic(&mut runs, &double, alike, [between_steps, rounding]);
     let half = finer.as_ref().filter(|_| is_chaotic);
     let found = half.and_then(|half| ensemble(&mut runs, options, outcome, half));
     let coarser = if found.is_none() { by_coarser_steps(&mut runs, &double, alike) } else { 0.0 };

@@ -13,7 +13,7 @@ use crate::scene_file::{Override, Scene};
 
 /// Name of the library, which is the same for all scenes.
 const LIBRARY: &str = "harvester_fmu";
-/// Communication steps of the default experiment in a period of the excitation: a held sine then has 6·10⁻⁵ less power.
+/// Communication steps of the default experiment in a period of the excitation: a held sine then gives 8·10⁻⁵ less power.
 const STEPS_PER_PERIOD: f64 = 200.0;
 /// The units of the variables.
 const UNITS: &str = r#"

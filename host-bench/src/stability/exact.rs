@@ -21,7 +21,7 @@ pub(super) const REFERENCE_TOLERANCE: f64 = 1e-10;
 /// Its tolerance for a run that is beyond its statement by it.
 pub(super) const CLOSER_TOLERANCE: f64 = 1e-12;
 /// Part of what the storage holds below which an energy is nothing: a full storage takes what the peaks between steps are above it.
-const NOTHING: f64 = 1e-6;
+const NOTHING: f64 = 3e-7;
 /// Tolerances at which it must give the same numbers, with the parts of what is allowed: one of them may agree by chance.
 const LOOSER_TOLERANCES: [(f64, f64); 2] = [(1e-9, 0.5), (1e-8, 2.0)];
 
@@ -69,8 +69,7 @@ impl Numbers {
         Self { power_w, is_nothing: power_w == 0.0, motion_m: 0.0, voltage_v: 0.0, block_energies_j }
     }
 
-    /// The quantity by which two runs are compared: the power, unless one has none and the other no more than its
-    /// tolerance.
+    /// The quantity by which two runs are compared: the power, unless one has none and the other next to nothing.
     pub(super) fn quantity(&self, other: &Self) -> Quantity {
         let one_has_none = self.power_w == 0.0 || other.power_w == 0.0;
         if one_has_none && self.is_nothing && other.is_nothing { Quantity::Motion } else { Quantity::Power }

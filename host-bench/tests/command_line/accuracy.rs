@@ -120,7 +120,7 @@ fn a_chaotic_run_prints_the_mean_of_an_ensemble_with_its_error() {
     let number = |name: &str| outcome[name].as_f64().expect("a number");
     let of = |name: &str| outcome["accuracy"][name].as_f64().expect("a number");
     let relative = number("mean_power_standard_error_w") / number("mean_power_w");
-    assert!((of("chaos") / relative - 2.0).abs() < 1e-12 && of("total") >= of("chaos"), "{outcome}");
+    assert!((of("chaos") / relative - 2.4).abs() < 1e-12 && of("total") >= of("chaos"), "{outcome}");
     assert_ne!(outcome["mean_power_w"], own["mean_power_w"]);
     for name in ["peak_gap_m", "delivered_energy_j", "rms_voltage_v"] {
         assert_eq!(outcome[name], own[name], "{name}");

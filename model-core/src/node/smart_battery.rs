@@ -27,6 +27,7 @@ fn percent(part: f32) -> Percent {
     Scalar::min(100.0 * part + 0.5, 100.0).to_u32() as Percent
 }
 
+/// `discharging` says that nothing is harvested: a status does not know what is drawn.
 fn flags(status: &Status) -> BatteryStatusFields {
     let charge = known(status, status.charge).ok();
     BatteryStatusFields::new()

@@ -152,7 +152,8 @@ impl<const ACTIONS: usize> TaskLedger<ACTIONS> {
         used: f32,
         has_failed: bool,
     ) -> Result<(), ParameterError<f32>> {
-        Bounds::new(0.0, ACTIONS as f64 - 1.0).check("index", index as f32)?;
+        let actions = (0..ACTIONS).take_while(|index| node.action(state, *index).is_some()).count();
+        Bounds::new(0.0, actions as f64 - 1.0).check("index", index as f32)?;
         Bounds::new(0.0, 1e6).check("used", used)?;
         if let (Some(task), Some(action)) = (self.tasks.get_mut(index), node.action(state, index)) {
             node.book(state, used - action.stated.energy)?;

@@ -216,7 +216,8 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     #[must_use]
     pub fn power(&self, state: &VoltageState<ACTIONS>) -> [f32; 2] {
         let per_time = 1.0 / real(state.over.max(1));
-        let bound = BOUND * Scalar::sqrt(state.of_income) * per_time;
+        let of_charging = self.parameters.tolerances.charging * state.income;
+        let bound = BOUND * Scalar::sqrt(state.of_income + of_charging * of_charging) * per_time;
         [self.harvested(Scalar::max(state.income, 0.0) * per_time), self.harvested(bound)]
     }
 

@@ -335,7 +335,7 @@ where
         let clock = self.harvester.clock(&self.state);
         let now = self.get(0)?;
         // Importers add up their steps.
-        if !((at_s - now).abs() <= 1e-9 * (1.0 + now.abs())) {
+        if !((at_s - now).abs() <= 1e-9 * (1.0 + now - self.totals[0]) + 4.0 * f64::EPSILON * now.abs()) {
             return Err(Failure::Input(format!("communication point {at_s} s: must be {now} s")));
         }
         let until = Instant::from_seconds(at_s - self.totals[0] + step_s).filter(|until| *until > clock);

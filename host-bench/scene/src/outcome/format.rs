@@ -131,6 +131,8 @@ fn wrapped<'a>(parts: impl Iterator<Item = &'a str>, joint: &str, indent: usize,
     all
 }
 
+/// Least columns of a name that is broken where it has no room.
+const LONG: usize = 20;
 /// What a heading may be broken behind.
 const BREAKS: [char; 5] = ['_', '-', '.', ' ', '/'];
 
@@ -172,7 +174,11 @@ pub fn table<R: Into<Row>>(
             .zip(&whole)
             .map(|(cell, width)| wrapped(cell.content().split_inclusive(BREAKS), "", 0, *width))
             .collect::<Vec<_>>();
-        // A table whose longest words have no room is wider: no word is broken.
+        // Long names are broken where they have no room. A table whose words have none is wider: no word is broken.
+        let others: usize = least.iter().skip(1).map(|width| width + 3).sum();
+        if let Some(names) = least.first_mut().filter(|_| !is_whole(0)) {
+            *names = LONG.max(WIDTH.saturating_sub(others + 5)).min(*names);
+        }
         let width = least.iter().map(|width| width + 3).sum::<usize>().max(WIDTH);
         table.set_header(broken).set_content_arrangement(ContentArrangement::Dynamic).set_width(width as u16);
         for (column, least) in table.column_iter_mut().zip(least) {

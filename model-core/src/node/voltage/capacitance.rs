@@ -34,7 +34,8 @@ const CONTRADICTIONS: u32 = 3;
 /// # use model_core::node::*;
 /// # fn after_an_action(node: &VoltageNode<1>, state: &VoltageState<1>, learnt: &mut LearntCapacitance, codes: [u32; 2]) {
 /// // 0.3 mJ at the load within 1 %, in 0.2 s.
-/// learnt.learn(node.parameters(), [300e-6, 3e-6], 0.2, node.power(state), codes);
+/// let Status { power, power_bound, .. } = node.status(state);
+/// learnt.learn(node.parameters(), [300e-6, 3e-6], 0.2, [power, power_bound], codes);
 /// # }
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +51,8 @@ pub struct LearntCapacitance {
 impl LearntCapacitance {
     /// The stated capacitance with the tolerances of it, of the reference and of the actions, which has that of the efficiency.
     ///
-    /// Of the [parameters](Self::parameters) of an earlier one it goes on from there: their capacitance and its tolerance outlast a power-down.
+    /// Of the [parameters](Self::parameters) of an earlier one it goes on from their capacitance, with their tolerance of it and again that of
+    /// actions.
     #[must_use]
     pub fn new<const ACTIONS: usize>(stated: &VoltageParameters<ACTIONS>) -> Self {
         let Tolerances { capacitance, reference, action, .. } = stated.tolerances;
@@ -59,9 +61,10 @@ impl LearntCapacitance {
         Self { per_farad, variance: relative * per_farad * per_farad, alike: 0.0, contradictions: 0 }
     }
 
-    /// Learns from an action of an energy in J at the load, readings included, with its standard deviation in J, in so many seconds.
+    /// Learns from an action of an energy in J at the load, with readings and the standing power of its time as
+    /// [`Regular::energy`](crate::node::Regular::energy), with its standard deviation in J, in so many seconds.
     ///
-    /// `power` is [`VoltageNode::power`](super::VoltageNode::power): harvested in W, at or above 0, with its bound. `codes` are read
+    /// `power` is [`Status::power`](crate::node::Status::power), harvested in W, and its bound. `codes` are read
     /// right before the action and right after it, each for its own sake: a code by which the action was decided is too high.
     ///
     /// Returns whether the action taught something. It does not if its drop is six standard deviations off, as by a glitch, unless it is the
@@ -122,7 +125,7 @@ impl LearntCapacitance {
         [capacitance, BOUND * deviation * capacitance * capacitance]
     }
 
-    /// The parameters with the learnt capacitance and its tolerance, which has that of the reference: a node of them estimates with both. A
+    /// The parameters with the learnt capacitance and its tolerance, at most 0.3, which has that of the reference: a node of them estimates with both. A
     /// [`Runner`](crate::node::Runner) goes on with it by [`Runner::with_node`](crate::node::Runner::with_node). The errors of both
     /// efficiencies are then one factor of each income, for [`Tolerances::charging`].
     #[must_use]

@@ -219,6 +219,8 @@ fn the_hours_and_the_sum_of_thirty_days_are_inside_their_bounds_whatever_part_is
         let relative = |income: IncomeOfTime| income.bound / income.energy;
         let Tolerances { standing, action, charging, leakage, .. } = tolerances;
         let is_lasting = standing + action + charging + leakage > 0.0;
+        let status = node.status(&state);
+        assert!(status.power_bound >= 0.999 * BOUND * charging * status.power, "{status:?}");
         assert!(!is_lasting || relative(sum) > 0.9 * relative(first), "{first:?} {sum:?}");
         // The actions are what the income pays for, and leave the reserve.
         assert!(tank.ran[0] > 15_000, "{:?}", tank.ran);

@@ -14,8 +14,9 @@ use super::setup::{Touches, baseline, seconds, vibration, with_block};
 
 #[test]
 fn energy_is_conserved_by_every_step_without_damping_and_load() {
-    let tips = [(baseline::<f64>(), 1.0), (with_block(), 1.0), (with_block(), 0.5)];
-    for (mut parameters, position) in tips {
+    let tips =
+        [(baseline::<f64>(), 1.0, 12, 2e-11), (with_block(), 1.0, 4, 4e-11), (with_block(), 0.5, 4, 4e-11)];
+    for (mut parameters, position, contacts, limit) in tips {
         parameters.damping_ratio = 0.0;
         parameters.choices.load.0.resistance = f64::INFINITY;
         parameters.choices.stop.gap = 0.0;
@@ -35,9 +36,9 @@ fn energy_is_conserved_by_every_step_without_damping_and_load() {
                 .advance(&mut state, &Silence, seconds(duration), u32::MAX, &mut (&mut ledger, &mut meter))
                 .expect("runs");
             let after: f64 = stepper.outputs(&state).stored.total();
-            assert!(meter.report().contacts >= 4, "{step}: {} contacts", meter.report().contacts);
-            assert!((after / before - 1.0).abs() < 4e-11, "{position} {step}: {}", after / before - 1.0);
-            assert!(ledger.residual().total().expect("energy") < 4e-11);
+            assert!(meter.report().contacts >= contacts, "{step}: {} contacts", meter.report().contacts);
+            assert!((after / before - 1.0).abs() < limit, "{position} {step}: {}", after / before - 1.0);
+            assert!(ledger.residual().total().expect("energy") < limit);
         }
     }
 }
