@@ -37,7 +37,7 @@ impl Name {
 
 /// A storage: its capacitance in F, its leakage resistance in Ω, how far its capacitance or its charge may be off at most, and the mean
 /// income in W of a node on it. One with the word of a battery has this battery beside the capacitor; a `buffer` has
-/// [voltages and actions of its own](Settings::with_buffer).
+/// voltages and actions of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Storage {
     pub name: &'static str,
