@@ -109,14 +109,6 @@ fn saved(state: Option<&State>) -> Result<&[u8], Failure> {
     state.map(|state| &*state.0).ok_or_else(|| Failure::Input("FMUState: is null".to_owned()))
 }
 
-/// Hands a state to the importer, which has null in place of `None`.
-fn keep(place: Option<&mut Option<Box<State>>>, bytes: Vec<u8>) -> Result<(), Failure> {
-    if let Some(place) = place {
-        *place = Some(Box::new(State(bytes)));
-    }
-    Ok(())
-}
-
 fn simulation(token: *const c_char, resources: *const c_char) -> Result<Box<dyn CoSimulation>, Failure> {
     let scene = scene_file::read(&Path::new(text(resources)?).join("scene.toml"), &[])?;
     let (token, expected) = (text(token)?, format!("{:08x}", fingerprint(&scene)?));
@@ -224,7 +216,12 @@ extern "C" fn fmi3DoStep(
 
 #[unsafe(no_mangle)]
 extern "C" fn fmi3GetFMUState(one: One<'_>, state: Option<&mut Option<Box<State>>>) -> Status {
-    call(one, |instance| keep(state, instance.simulation.save()?))
+    call(one, |instance| {
+        let saved = Box::new(State(instance.simulation.save()?));
+        // An earlier state of the importer is freed; null is `None`.
+        state.map(|state| state.replace(saved));
+        Ok(())
+    })
 }
 
 #[unsafe(no_mangle)]

@@ -6,10 +6,10 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::ensemble::{chaotic, ensemble};
-use super::warnings::{beyond_threshold, differing_peak};
+use super::warnings::{beyond_threshold, differing_peak, lost_rms};
 use super::{
     Difference, LEAST, Runs, delivers, difference, has_own_steps, has_tolerance, in_double_precision,
-    relative, run_as_it_is,
+    run_as_it_is,
 };
 use crate::command::print_line;
 use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
@@ -32,8 +32,6 @@ const SHORTER: f64 = 2.0 / 3.0;
 const LONGEST: f64 = 0.6;
 /// Mean step in periods of the slowest oscillation above which its turns are missed.
 const QUARTER: f64 = 0.25;
-/// Relative difference of an RMS voltage from that in double precision above which a run warns.
-const RMS: f64 = 1e-2;
 /// Intervals of the smoother trace in one of the given trace.
 const FINER: usize = 4;
 /// Length of the window over which the sampling error is half as large, in windows.
@@ -105,12 +103,6 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     outcome.accuracy = if is_unknown { accuracy } else { accuracy.summed() };
 }
 
-/// The warning of an RMS voltage that is lost in the rounding of single precision: a small difference of large voltages.
-fn lost_rms(outcome: &Outcome, exact: &Outcome) -> Option<String> {
-    let apart = relative(outcome.rms_voltage_v?, exact.rms_voltage_v?)?;
-    (apart > RMS).then(|| format!("rounding: rms_voltage_v differs by {apart:.1e} in double precision"))
-}
-
 /// The relative standard error of the mean over the window, from its parts.
 fn window(outcome: &Outcome) -> Option<f64> {
     let whole = outcome.block_energies_j.iter().sum::<f64>().abs();
@@ -132,9 +124,7 @@ fn finer(
     }
     let more = if has_tolerance(scene, double) { TOLERANCE_HALVINGS } else { 1 };
     let shorter = Options { halvings: double.halvings + more, ..*double };
-    // Steps end at the samples of a trace, and the longest ones at a part of a period, at any tolerance.
-    let are_longest = matches!(scene.excitation, Excitation::File(_)) || are_longest(scene, alike);
-    if is_layered || are_longest && has_tolerance(scene, double) {
+    if is_layered || has_tolerance(scene, double) && are_longest(scene, alike) {
         return in_shorter_steps(runs, &shorter, alike);
     }
     let found = runs.get(&shorter).filter(|finer| is_comparable(finer, alike));
@@ -189,11 +179,12 @@ fn has_start_charge(scene: &Scene, options: &Options) -> bool {
     has_tolerance(scene, options) && scene.model.summary().start.is_some_and(|[.., charge]| charge.is_some())
 }
 
-/// Whether the steps of a run are mostly as long as the oscillation allows.
+/// Whether the steps of a run are mostly as long as they are at any tolerance: to the samples of a trace, or a part of a period.
 fn are_longest(scene: &Scene, outcome: &Outcome) -> bool {
     let (natural_hz, _) = resonances(scene, outcome);
     let fastest_hz = natural_hz.into_iter().chain(scene.excitation.single_frequency()).fold(0.0, f64::max);
-    TAU * fastest_hz * mean_step(scene, outcome) > LONGEST
+    let is_sampled = matches!(scene.excitation, Excitation::File(_));
+    is_sampled || TAU * fastest_hz * mean_step(scene, outcome) > LONGEST
 }
 
 /// Whether the turns of the slowest oscillation fall between the ends of steps, and with them the largest motion.

@@ -1,6 +1,6 @@
 //! Warnings about the accuracy of a run.
 
-use super::{LEAST, delivers};
+use super::{LEAST, delivers, relative};
 use crate::outcome::{Outcome, fields};
 use crate::resolution::natural_frequency_hz;
 use crate::scene_file::{Excitation, Load, Scene};
@@ -16,6 +16,8 @@ const BEYOND: f64 = 1.1;
 const UNBALANCED: f64 = 1e-2;
 /// Relative difference of a peak in finer steps above which a run warns, so that one without a warning is within 2 %.
 const PEAK: f64 = 1e-2;
+/// Relative difference of an RMS voltage from that in double precision above which a run warns.
+const RMS: f64 = 1e-2;
 /// Parts of the energy that a harvester exchanges below which the energy delivered to a resistor, which is quadratic in
 /// the voltage, and through a bridge, which is linear in the charge, are not resolved in double precision.
 const UNRESOLVED: [f64; 2] = [1e-26, 1e-14];
@@ -72,6 +74,12 @@ pub(super) fn differing_peak(outcome: &Outcome, others: &[Outcome], is_chaotic: 
         "finer steps (--accuracy, --step or --tolerance)"
     };
     Some(format!("peaks: {name} differs by {apart:.1e} in {cause}"))
+}
+
+/// The warning of an RMS voltage that is lost in the rounding of single precision: a small difference of large voltages.
+pub(super) fn lost_rms(outcome: &Outcome, exact: &Outcome) -> Option<String> {
+    let apart = relative(outcome.rms_voltage_v?, exact.rms_voltage_v?)?;
+    (apart > RMS).then(|| format!("rounding: rms_voltage_v differs by {apart:.1e} in double precision"))
 }
 
 /// The warning of a trace whose straight lines differ notably from a smooth curve through its samples, or cannot be compared with it.

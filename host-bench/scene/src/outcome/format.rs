@@ -162,9 +162,9 @@ pub fn table<R: Into<Row>>(
             headings.cell_iter().enumerate().map(|heading| width(heading, breaks)).collect()
         };
         let (mut least, whole) = (widths(&[' ']), widths(&[]));
-        let has_room = |widths: &[usize]| widths.iter().map(|width| width + 3).sum::<usize>() < WIDTH;
+        let taken = |widths: &[usize]| widths.iter().map(|width| width + 3).sum::<usize>();
         // Names are not broken where numbers follow, unless they are long and the numbers leave no room.
-        let keeps_names = words < whole.len() && (whole[0] <= 12 || has_room(&whole));
+        let keeps_names = words < whole.len() && (whole[0] <= 12 || taken(&whole) < WIDTH);
         let is_whole = |column: usize| column >= words || (column == 0 && keeps_names);
         for (column, least) in least.iter_mut().enumerate().filter(|(column, _)| is_whole(*column)) {
             *least = whole[column];
@@ -175,11 +175,11 @@ pub fn table<R: Into<Row>>(
             .map(|(cell, width)| wrapped(cell.content().split_inclusive(BREAKS), "", 0, *width))
             .collect::<Vec<_>>();
         // Long names are broken where they have no room. A table whose words have none is wider: no word is broken.
-        let others: usize = least.iter().skip(1).map(|width| width + 3).sum();
+        let all = taken(&least);
         if let Some(names) = least.first_mut().filter(|_| !is_whole(0)) {
-            *names = LONG.max(WIDTH.saturating_sub(others + 5)).min(*names);
+            *names = LONG.max((WIDTH + *names).saturating_sub(all + 2)).min(*names);
         }
-        let width = least.iter().map(|width| width + 3).sum::<usize>().max(WIDTH);
+        let width = taken(&least).max(WIDTH);
         table.set_header(broken).set_content_arrangement(ContentArrangement::Dynamic).set_width(width as u16);
         for (column, least) in table.column_iter_mut().zip(least) {
             let width = Width::Fixed((least + usize::from(column.padding_width())) as u16);
