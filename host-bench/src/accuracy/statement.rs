@@ -25,11 +25,11 @@ const STATED: [f64; 2] = [2.7, 0.27];
 /// Halvings of a tolerance to compare with. Half the tolerance may change no step.
 const TOLERANCE_HALVINGS: u32 = 2;
 /// Least steps of a run to compare with over those of the run: in the same steps both have the same error.
-const MORE_STEPS: f64 = 1.3;
+const MORE_STEPS: f64 = 1.2;
 /// Length of the steps of a run to compare with over the mean of the run, where another tolerance or step takes hardly more steps.
 const SHORTER: f64 = 2.0 / 3.0;
 /// Mean step in radians of the fastest oscillation above which another tolerance takes hardly more steps: steps end at 0.8.
-const LONGEST: f64 = 0.6;
+const LONGEST: f64 = 0.5;
 /// Mean step in periods of the slowest oscillation above which its turns are missed.
 const QUARTER: f64 = 0.25;
 /// Intervals of the smoother trace in one of the given trace.
@@ -182,7 +182,7 @@ fn has_start_charge(scene: &Scene, options: &Options) -> bool {
 /// Whether the steps of a run are mostly as long as they are at any tolerance: to the samples of a trace, or a part of a period.
 fn are_longest(scene: &Scene, outcome: &Outcome) -> bool {
     let (natural_hz, _) = resonances(scene, outcome);
-    let fastest_hz = natural_hz.into_iter().chain(scene.excitation.single_frequency()).fold(0.0, f64::max);
+    let fastest_hz = natural_hz.into_iter().fold(scene.excitation.highest_hz(), f64::max);
     let is_sampled = matches!(scene.excitation, Excitation::File(_));
     is_sampled || TAU * fastest_hz * mean_step(scene, outcome) > LONGEST
 }
