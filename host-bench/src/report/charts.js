@@ -185,6 +185,21 @@ for (const [index, one] of charts.entries()) {
   const chart = new uPlot(options, uPlot.join(span ? [span, ...tables] : tables), place);
   peers.push(chart);
   window.addEventListener("resize", () => chart.setSize({ width: width(), height: one.height }));
+  place.setAttribute("aria-label", [one.title, `${one.up} over ${one.across}`].filter(Boolean).join(": "));
+  place.setAttribute("role", "group");
+  // By the keyboard: arrows move along the abscissa, + and - zoom, Escape shows all, Enter on a name hides its curve.
+  const moves = { ArrowLeft: [-0.25, 0.75], ArrowRight: [0.25, 1.25], "+": [0.25, 0.75], "-": [-0.5, 1.5] };
+  chart.over.tabIndex = 0;
+  chart.over.addEventListener("keydown", ({ key }) => {
+    if (key === "Escape") chart.setData(chart.data);
+    if (!(key in moves)) return;
+    const [min, max] = moves[key].map((part) => chart.posToVal(part * chart.over.clientWidth, "x"));
+    chart.setScale("x", { min, max });
+  });
+  for (const name of place.querySelectorAll(".u-series th")) {
+    name.tabIndex = 0;
+    name.addEventListener("keydown", ({ key }) => key === "Enter" && name.click());
+  }
   // What is known of the nearest point stands beside it.
   const tip = document.createElement("div");
   tip.className = "tip";

@@ -19,6 +19,7 @@ th{text-align:left;border-bottom:2px solid #57606a;padding:.3rem .7rem;vertical-
 td{border-bottom:1px solid #d0d7de;padding:.2rem .7rem;white-space:nowrap}\
 td.number,th.number{text-align:right}tr.beyond td{color:#6e7781}\
 p.note{font-size:.85rem;color:#57606a;margin:.3rem 0}\
+@media screen and (prefers-color-scheme:dark){html{background:#fff;filter:invert(.9) hue-rotate(180deg)}}\
 .still{display:none}@media print{.still{display:block;break-inside:avoid}.screen{display:none}\
 body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}pre{white-space:pre-wrap}}";
 /// Without scripts the stills stand for the charts.
@@ -35,7 +36,7 @@ const SCRIPT: &str = include_str!("charts.js");
 
 /// What a reader can do, as a paragraph.
 const HINT: &str = "<p class=\"screen\">Drag over a chart to zoom, double-click for all of it. The pointer shows the nearest point; \
-a click on a name hides its curve.</p>\n";
+a click on a name hides its curve. By the keyboard: Tab, arrows, + and −, Escape, Enter.</p>\n";
 
 /// A page: its body as it grows, and its charts.
 #[derive(Debug)]

@@ -30,10 +30,11 @@ window.addEventListener("load", () => setTimeout(() => {
         const found = root.querySelector(".tip");
         if (found.style.display === "block") tip = found.textContent;
       }
-    // Toggle: a click on the last name hides its curve.
+    // Toggle: Enter on the last name hides its curve, a click shows it. Zoom and return by keys.
     const names = root.querySelectorAll(".u-series");
     const last = names[names.length - 1];
-    last.querySelector("th").click();
+    const press = (element, key) => element.dispatchEvent(new KeyboardEvent("keydown", { key }));
+    press(last.querySelector("th"), "Enter");
     const hidden = last.classList.contains("u-off");
     last.querySelector("th").click();
     const shown = !last.classList.contains("u-off");
@@ -42,16 +43,19 @@ window.addEventListener("load", () => setTimeout(() => {
     const before = pixels();
     at("mousemove", 0.4, 0.5); at("mousedown", 0.4, 0.5); at("mousemove", 0.5, 0.5); at("mousemove", 0.6, 0.5);
     at("mouseup", 0.6, 0.5);
-    told.push({ tip, hidden, shown, root, pixels, before });
+    told.push({ tip, hidden, shown, root, pixels, before, press, over });
   }
   // The library ignores a move by nothing, and draws between two frames.
-  setTimeout(() => {
-    const list = told.map(({ tip, hidden, shown, pixels, before }) => ({ tip, hidden, shown, zoomed: pixels() !== before }));
+  const later = (each, then) => setTimeout(() => { told.forEach(each); then(); }, 200);
+  later((one) => { one.zoomed = one.pixels() !== one.before; one.press(one.over, "Escape"); }, () =>
+  later((one) => { one.whole = one.pixels() === one.before; one.press(one.over, "+"); }, () =>
+  later((one) => { one.pressed = one.pixels() !== one.before; }, () => {
+    const charts = told.map(({ tip, hidden, shown, zoomed, whole, pressed }) => ({ tip, hidden, shown, zoomed, whole, pressed }));
     const place = document.createElement("pre");
     place.id = "found";
-    place.textContent = JSON.stringify({ faults, charts: list });
+    place.textContent = JSON.stringify({ faults, charts });
     document.body.append(place);
-  }, 200);
+  })));
 }, 100));
 </script>"#;
 
@@ -77,7 +81,7 @@ fn used(html: &Path) -> Vec<serde_json::Value> {
     assert_eq!(found["faults"], serde_json::json!([]), "{}", html.display());
     let charts = found["charts"].as_array().expect("a list").clone();
     for chart in &charts {
-        for what in ["hidden", "shown", "zoomed"] {
+        for what in ["hidden", "shown", "zoomed", "whole", "pressed"] {
             assert_eq!(chart[what], true, "{what} of {}: {chart}", html.display());
         }
     }

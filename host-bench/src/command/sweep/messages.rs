@@ -50,7 +50,7 @@ pub(super) fn best_text((_, point, power): (usize, &Point, f64)) -> String {
         (None, true) => ", stated error unknown".to_owned(),
         (None, false) => String::new(),
     };
-    format!("largest mean_power_w {power:e} at {}{stated}", point.place())
+    format!("largest mean_power_w {power:.3e} at {}{stated}", point.place())
 }
 
 /// The warning of a best point that may be a lucky one.
