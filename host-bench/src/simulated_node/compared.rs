@@ -36,8 +36,7 @@ impl Name {
 }
 
 /// A storage: its capacitance in F, its leakage resistance in Ω, how far its capacitance or its charge may be off at most, and the mean
-/// income in W of a node on it. One with the word of a battery has this battery beside the capacitor; a `buffer` has
-/// voltages and actions of its own.
+/// income in W of a node on it. One with the word of a battery has this battery beside the capacitor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Storage {
     pub name: &'static str,
@@ -198,12 +197,14 @@ impl Setup {
     pub(super) fn settings(&self, line: &Timeline) -> Settings {
         let Storage { name, capacitance, leakage, of_capacitance, income } = self.storage;
         let base = Settings::new(line.kind, self.processor, capacitance, self.spread).with_income(income);
-        let base = if name == "buffer" { base.with_buffer() } else { base };
+        let base = Battery::named(name).map_or(base, |battery| base.with_battery(battery));
+        // One that does not hold an action is a buffer.
+        let base = if base.room() > base.action { base } else { base.with_buffer() };
         Settings {
             leakage,
             of_capacitance: of_capacitance / 3.0_f64.sqrt(),
             gain: if line.as_designed { DESIGNED_GAIN } else { 1.0 },
-            ..Battery::named(name).map_or(base, |battery| base.with_battery(battery))
+            ..base
         }
         .scaled(&line.minutes)
     }

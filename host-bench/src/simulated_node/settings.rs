@@ -100,11 +100,16 @@ impl Settings {
         Self { income, standing: factor * self.standing, action: factor * self.action, ..self }
     }
 
+    /// Energy in J between the lock-out and a full storage.
+    pub(super) fn room(&self) -> f64 {
+        let [lock_out, _, full] = self.voltages.map(|voltage| self.reservoir(1.0).energy_j(voltage));
+        full - lock_out
+    }
+
     /// On a buffer of intermittent nodes, which work from the turn-on to the lock-out: actions of 15 µJ each 2 s, the power of the usual ones.
     pub(super) fn with_buffer(self) -> Self {
         let with = Self { voltages: [2.4, 3.0, 4.5], action: 15e-6, every: 2, ..self };
-        let [lock_out, _, full] = with.voltages.map(|voltage| with.reservoir(1.0).energy_j(voltage));
-        Self { reserve: 0.3 * (full - lock_out), ..with }
+        Self { reserve: 0.3 * with.room(), ..with }
     }
 
     /// On a battery beside the capacitor, a third of which is the reserve.
@@ -113,8 +118,7 @@ impl Settings {
         let lockout = battery.lockout.expect("a test reads the file");
         let voltages = [lockout.turn_off_v, lockout.turn_on_v, battery.highest_v];
         let with = Self { battery: Some(battery), voltages, ..self };
-        let [lock_out, _, full] = voltages.map(|voltage| with.reservoir(1.0).energy_j(voltage));
-        Self { reserve: 0.3 * (full - lock_out), ..with }
+        Self { reserve: 0.3 * with.room(), ..with }
     }
 
     /// What holds the energy, with so many times the stated capacitance and charge, in the energies of the harvester as it is.
@@ -201,10 +205,7 @@ impl Settings {
         model_core::energy::Battery { tolerance, ..battery.scaled(1.0 / self.scale).of_core() }
     }
 
-    /// The node with the map of the harvester.
-    ///
-    /// # Panics
-    /// If the settings are outside the bounds of a node.
+    /// The node with the map of the harvester. Panics outside the bounds of a node.
     pub fn map(&self) -> Tiered<OneNode> {
         self.try_map().unwrap_or_else(|error| panic!("{error}"))
     }
