@@ -152,15 +152,15 @@ impl<const ACTIONS: usize> TaskLedger<ACTIONS> {
         used: f32,
         has_failed: bool,
     ) -> Result<(), ParameterError<f32>> {
-        let actions = (0..ACTIONS).take_while(|index| node.action(state, *index).is_some()).count();
-        Bounds::new(0.0, actions as f64 - 1.0).check("index", index as f32)?;
+        let Some((task, action)) = self.tasks.get_mut(index).zip(node.action(state, index)) else {
+            let actions = (0..ACTIONS).take_while(|index| node.action(state, *index).is_some()).count();
+            return Bounds::new(0.0, actions as f64 - 1.0).check("index", index as f32);
+        };
         Bounds::new(0.0, 1e6).check("used", used)?;
-        if let (Some(task), Some(action)) = (self.tasks.get_mut(index), node.action(state, index)) {
-            node.book(state, used - action.stated.energy)?;
-            let count = if has_failed { &mut task.failed } else { &mut task.done };
-            *count = count.saturating_add(1);
-            (task.energy, task.rounded) = add_increment(task.energy, task.rounded, used);
-        }
+        node.book(state, used - action.stated.energy)?;
+        let count = if has_failed { &mut task.failed } else { &mut task.done };
+        *count = count.saturating_add(1);
+        (task.energy, task.rounded) = add_increment(task.energy, task.rounded, used);
         Ok(())
     }
 
