@@ -21,6 +21,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::Peripherals;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
+#[cfg(not(feature = "own-systick"))]
 use cortex_m_rt::exception;
 use defmt::info;
 
@@ -163,6 +164,7 @@ impl Counter {
     }
 }
 
+#[cfg(not(feature = "own-systick"))]
 #[exception]
 fn SysTick() {
     let wraps = WRAPS.load(Ordering::Relaxed);
@@ -183,7 +185,7 @@ unsafe extern "C" {
 }
 
 /// Paints everything between the static variables and the stack as it stands now.
-pub(crate) fn paint_stack() {
+pub fn paint_stack() {
     // In assembly, because only there the stack pointer is known: a compiled function may read it
     // first and push afterwards, and would paint over its own return address.
     //
@@ -205,7 +207,8 @@ pub(crate) fn paint_stack() {
 
 /// Bytes from the top of the stack to the deepest word written since [`paint`].
 #[inline(never)]
-pub(crate) fn deepest_stack() -> u32 {
+#[must_use]
+pub fn deepest_stack() -> u32 {
     let top = (&raw const _stack_start).addr();
     let mut word = cortex_m_rt::heap_start().cast_const();
     // SAFETY: the words between the end of the static variables and the top of the stack are RAM,

@@ -9,9 +9,11 @@ use std::vec;
 use std::vec::Vec;
 
 use core::convert::Infallible;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
 
 use embedded_hal::delay::DelayNs;
-use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
+use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::spi::{Mock as Spi, Transaction};
 use embedded_storage::nor_flash::{
@@ -62,13 +64,26 @@ fn sensor(spi: Spi<u8>) -> Adxl362<Spi<u8>> {
     Adxl362::new(spi, Axis::Z, Range::G4, Rate::Hz200)
 }
 
-#[test]
-fn the_sensor_is_started_and_stopped_by_the_register_map() {
-    let mut spi = Spi::new(&[starting(), written(&[0x0A, 0x2D, 0x00])].concat());
+/// The result of a future that waits for nothing.
+fn ready<T>(future: impl Future<Output = T>) -> T {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(result) => result,
+        Poll::Pending => panic!("it waits"),
+    }
+}
+
+type Error = Adxl362Error<ErrorKind>;
+
+/// What reading up to so many samples gives, over the blocking and over the asynchronous traits.
+fn samples(bytes: &[Transaction<u8>], room: usize) -> Result<Vec<i16>, Error> {
+    let mut spi = Spi::new(&[bytes, bytes].concat());
     let mut sensor = sensor(spi.clone());
-    sensor.start(&mut NoopDelay::new()).expect("it answers");
-    sensor.stop().expect("it answers");
+    let [mut found, mut later] = [0; 2].map(|zero| vec![zero; room]);
+    let count = sensor.read(&mut found);
+    assert_eq!(ready(sensor.read_async(&mut later)), count);
+    assert_eq!(found, later);
     spi.done();
+    Ok(found[..count?].to_vec())
 }
 
 /// Time in ns that was waited for.
@@ -80,26 +95,40 @@ impl DelayNs for Waited {
     }
 }
 
+impl embedded_hal_async::delay::DelayNs for Waited {
+    async fn delay_ns(&mut self, ns: u32) {
+        self.0 += u64::from(ns);
+    }
+}
+
 #[test]
-fn a_part_that_keeps_its_supply_is_waited_for_once() {
+fn the_sensor_is_started_and_stopped_by_the_register_map_and_waited_for_once() {
     let stopping = written(&[0x0A, 0x2D, 0x00]);
-    let mut spi = Spi::new(&[starting(), stopping.clone(), starting(), stopping].concat());
-    let mut sensor = sensor(spi.clone());
-    // 5 ms from the supply and 0.5 ms from a reset; then the reset only.
-    for expected in [5_500_000, 500_000] {
+    let bytes = [starting(), stopping.clone(), starting(), stopping].concat();
+    let mut spi = Spi::new(&[&bytes[..], &bytes].concat());
+    let (mut blocking, mut later) = (sensor(spi.clone()), sensor(spi.clone()));
+    // 5 ms from the supply and 0.5 ms from a reset; then the reset only, because the part keeps its supply.
+    let expected = [5_500_000, 500_000];
+    for expected in expected {
         let mut waited = Waited(0);
-        sensor.start(&mut waited).expect("it answers");
+        blocking.start(&mut waited).and_then(|()| blocking.stop()).expect("it answers");
         assert_eq!(waited.0, expected);
-        sensor.stop().expect("it answers");
+    }
+    for expected in expected {
+        let mut waited = Waited(0);
+        ready(later.start_async(&mut waited)).and_then(|()| ready(later.stop_async())).expect("it answers");
+        assert_eq!(waited.0, expected);
     }
     spi.done();
 }
 
 #[test]
 fn another_part_is_refused() {
-    let mut spi = Spi::new(&read(&[0x0B, 0x00], &[0xAD, 0x1D, 0xF7]));
-    let found = sensor(spi.clone()).start(&mut NoopDelay::new());
-    assert_eq!(found, Err(Adxl362Error::Identity([0xAD, 0x1D, 0xF7])));
+    let bytes = read(&[0x0B, 0x00], &[0xAD, 0x1D, 0xF7]);
+    let mut spi = Spi::new(&[&bytes[..], &bytes].concat());
+    let mut sensor = sensor(spi.clone());
+    let found = [sensor.start(&mut Waited(0)), ready(sensor.start_async(&mut Waited(0)))];
+    assert_eq!(found, [Err(Adxl362Error::Identity([0xAD, 0x1D, 0xF7])); 2]);
     spi.done();
 }
 
@@ -109,11 +138,8 @@ fn one_axis_is_taken_from_whole_samples() {
     let values = [-2048_i16, 2047];
     let bytes: Vec<u8> =
         values.iter().flat_map(|&z| [entry(0, 5), entry(1, -6), entry(2, z)].concat()).collect();
-    let mut spi = Spi::new(&[read(&[0x0B, 0x0B], &[0b0001, 8, 0]), read(&[0x0D], &bytes)].concat());
-    let mut samples = [0; 10];
-    assert_eq!(sensor(spi.clone()).read(&mut samples), Ok(2));
-    assert_eq!(samples[..3], [-2048, 2047, 0]);
-    spi.done();
+    let bytes = [read(&[0x0B, 0x0B], &[0b0001, 8, 0]), read(&[0x0D], &bytes)].concat();
+    assert_eq!(samples(&bytes, 10), Ok(values.to_vec()));
 }
 
 #[test]
@@ -121,22 +147,16 @@ fn a_short_buffer_and_a_long_fifo_are_read_in_blocks() {
     // 510 entries wait, 0x1FE; there is room for 20 samples, which are read as 16 and 4.
     let sample = |z: i16| [entry(0, 0), entry(1, 0), entry(2, z)].concat();
     let block = |range: core::ops::Range<i16>| read(&[0x0D], &range.flat_map(sample).collect::<Vec<u8>>());
-    let mut spi = Spi::new(&[read(&[0x0B, 0x0B], &[0, 0xFE, 0x01]), block(0..16), block(16..20)].concat());
-    let mut samples = [0; 20];
-    assert_eq!(sensor(spi.clone()).read(&mut samples), Ok(20));
-    assert!(samples.iter().copied().eq(0..20));
-    spi.done();
+    let bytes = [read(&[0x0B, 0x0B], &[0, 0xFE, 0x01]), block(0..16), block(16..20)].concat();
+    assert_eq!(samples(&bytes, 20), Ok((0..20).collect()));
 }
 
 #[test]
 fn lost_and_misaligned_samples_are_errors() {
-    let mut spi = Spi::new(&read(&[0x0B, 0x0B], &[0b1000, 0, 2]));
-    assert_eq!(sensor(spi.clone()).read(&mut [0; 4]), Err(Adxl362Error::Overrun));
-    spi.done();
+    assert_eq!(samples(&read(&[0x0B, 0x0B], &[0b1000, 0, 2]), 4), Err(Adxl362Error::Overrun));
     let shifted = [entry(1, 0), entry(2, 0), entry(0, 0)].concat();
-    let mut spi = Spi::new(&[read(&[0x0B, 0x0B], &[0, 3, 0]), read(&[0x0D], &shifted)].concat());
-    assert_eq!(sensor(spi.clone()).read(&mut [0; 4]), Err(Adxl362Error::Misaligned));
-    spi.done();
+    let bytes = [read(&[0x0B, 0x0B], &[0, 3, 0]), read(&[0x0D], &shifted)].concat();
+    assert_eq!(samples(&bytes, 4), Err(Adxl362Error::Misaligned));
 }
 
 /// NOR flash of four pages of 64 bytes: erased to ones, written once in words of 4 bytes.

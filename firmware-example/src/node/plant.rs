@@ -25,7 +25,7 @@ const GRAVITY: i32 = 1000;
 
 /// What an activity takes from the storage, in pJ.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Draws {
+pub struct Draws {
     /// In a second.
     standing: u64,
     reading: u64,
@@ -34,7 +34,9 @@ pub(super) struct Draws {
 }
 
 impl Draws {
-    pub(super) fn new(node: &ExampleNode) -> Self {
+    /// Those of the true node with the parts of this one.
+    #[must_use]
+    pub fn new(node: &ExampleNode) -> Self {
         let MapParameters { voltage, bursts, .. } = node.parameters();
         let of = |joules: f32, percent: u64| (1e12 * joules) as u64 * percent / u64::from(OUT_OF_STORAGE);
         Self {
@@ -86,7 +88,8 @@ struct Sensor {
 
 impl Plant {
     /// At midnight.
-    pub(super) fn new() -> Self {
+    #[must_use]
+    pub fn at_midnight() -> Self {
         Self {
             second: 0,
             stored: energy_at(FIRST),
@@ -106,7 +109,7 @@ impl Plant {
     }
 
     /// Lets time pass up to a second of the day.
-    pub(super) fn advance(&mut self, draws: &Draws, until: u32) {
+    pub fn advance(&mut self, draws: &Draws, until: u32) {
         while self.second < until {
             let within = self.second % 60;
             let seconds = (until - self.second).min(60 - within);
@@ -127,12 +130,12 @@ impl Plant {
     }
 
     /// Draws what so many readings took.
-    pub(super) fn know(&mut self, draws: &Draws, readings: u32) {
+    pub fn know(&mut self, draws: &Draws, readings: u32) {
         self.draw(draws.reading * u64::from(readings));
     }
 
     /// Reads the voltage of the storage.
-    pub(super) fn read(&mut self) -> u32 {
+    pub fn read(&mut self) -> u32 {
         const CODES: u32 = 1 << BITS;
         let voltage = Scalar::sqrt(2e-12 / CAPACITANCE * self.stored as f32);
         let code = (voltage * (1024.0 * CODES as f32 / FULL_SCALE)) as i32 + self.noise(CODE_NOISE);
@@ -141,7 +144,7 @@ impl Plant {
     }
 
     /// Carries an action out.
-    pub(super) fn run(&mut self, draws: &Draws, action: usize) {
+    pub fn run(&mut self, draws: &Draws, action: usize) {
         if let (Some(energy), Some(ran)) = (draws.actions.get(action), self.ran.get_mut(action)) {
             *ran += 1;
             self.draw(*energy);
@@ -149,26 +152,26 @@ impl Plant {
     }
 
     /// Switches the accelerometer on.
-    pub(super) fn start_sensor(&mut self, draws: &Draws) {
+    pub fn start_sensor(&mut self, draws: &Draws) {
         self.draw(draws.burst);
         let phases = [self.random(), self.random()];
         self.sensor = Some(Sensor { started: self.second, taken: 0, waiting: 0, phases });
     }
 
     /// Switches it off.
-    pub(super) fn stop_sensor(&mut self) {
+    pub fn stop_sensor(&mut self) {
         self.sensor = None;
     }
 
     /// Fills the FIFO with so many samples; the second at which they are there.
-    pub(super) fn fill(&mut self, samples: u32) -> u32 {
+    pub fn fill(&mut self, samples: u32) -> u32 {
         let Some(sensor) = &mut self.sensor else { return self.second };
         sensor.waiting += samples;
         sensor.started + (sensor.taken + sensor.waiting).div_ceil(RATE)
     }
 
     /// Moves samples out of the FIFO; their number.
-    pub(super) fn take(&mut self, samples: &mut [i16]) -> usize {
+    pub fn take(&mut self, samples: &mut [i16]) -> usize {
         let Some(mut sensor) = self.sensor else { return 0 };
         let count = samples.len().min(sensor.waiting as usize);
         for sample in samples.iter_mut().take(count) {
@@ -302,7 +305,7 @@ mod tests {
 
     #[test]
     fn noise_has_its_deviation() {
-        let mut plant = Plant::new();
+        let mut plant = Plant::at_midnight();
         let (mut sum, mut squares) = (0.0, 0.0);
         for _ in 0..20_000 {
             let value = f64::from(plant.noise(1000));
@@ -318,12 +321,12 @@ mod tests {
         use super::super::parts::Part;
         let draws = super::Draws::new(Part::Nrf52832.node());
         let whole = {
-            let mut plant = Plant::new();
+            let mut plant = Plant::at_midnight();
             plant.advance(&draws, 86_400);
             plant
         };
         // In steps of other lengths the same comes in; only the leakage depends on when the energy is there.
-        let mut plant = Plant::new();
+        let mut plant = Plant::at_midnight();
         while plant.second < 86_400 {
             plant.advance(&draws, (plant.second + 37).min(86_400));
         }

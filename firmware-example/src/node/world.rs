@@ -119,7 +119,7 @@ impl World {
     /// At midnight, with empty slots; the first so many of [`LOSSES`] will happen.
     #[must_use]
     pub fn new(losses: usize) -> Self {
-        let plant = Plant::new();
+        let plant = Plant::at_midnight();
         let slot = Slot { bytes: [0xff; IMAGE_BYTES], plant };
         Self {
             plant,
