@@ -195,7 +195,6 @@ pub(crate) const MOST_ATTEMPTS: u64 = 1 << 26;
 /// Most attempted steps of a comparison over those of the run.
 const MORE_ATTEMPTS: u64 = 4;
 
-/// What runs a scene to compare with.
 struct Runs<'a> {
     scene: &'a Scene,
     /// Steps of all runs so far.

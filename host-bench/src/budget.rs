@@ -95,7 +95,6 @@ impl Days<'_> {
         Ok(NodeDay { smallest_capacitance_f, ..shown })
     }
 
-    /// The day after the learning days.
     fn shown<S: Scalar, const SLOTS: usize>(
         &self,
         mut plant: ChargedStorage<'_>,
@@ -150,7 +149,6 @@ fn day<S: Scalar, const SLOTS: usize>(
     Ok(record.day(&predicted, *plant.account(), controller.ledger_residual()))
 }
 
-/// What is recorded of a day.
 struct Record<'a> {
     node: &'a Node,
     /// What it does to know its income, and its other actions.
@@ -159,7 +157,6 @@ struct Record<'a> {
     lowest_j: f64,
     /// Largest error in J of the controller's estimate of the stored energy.
     budget_error_j: f64,
-    /// Runs of each action in each hour.
     runs_by_hour: Vec<[u32; HOURS]>,
     samples: Vec<Sample>,
 }

@@ -147,6 +147,14 @@ pub(crate) fn progress(count: usize) -> ProgressBar {
     }
 }
 
+/// The result of work with a progress bar over `count` cases, which is gone after it.
+pub(crate) fn with_progress<T>(count: usize, work: impl FnOnce(&ProgressBar) -> T) -> T {
+    let bar = progress(count);
+    let found = work(&bar);
+    bar.finish_and_clear();
+    found
+}
+
 /// Counts one more case of a long command on the bar. Where standard error is no terminal and the bar is hidden, prints a
 /// line for each tenth of the cases, after the first seconds.
 pub(crate) fn one_more(bar: &ProgressBar) {
@@ -188,7 +196,6 @@ struct StorageVoltage {
 }
 
 impl StorageVoltage {
-    /// Whether the option is given.
     fn is_given(self) -> bool {
         self.storage_voltage.is_some()
     }
@@ -199,7 +206,6 @@ impl StorageVoltage {
         [others, replaced].concat()
     }
 
-    /// Holds the voltage of a scene's storage.
     fn hold(self, scene: &mut Scene) -> Result<(), Failure> {
         let Some(voltage) = self.storage_voltage else { return Ok(()) };
         if !(0.0..=HIGHEST_V).contains(&voltage) {

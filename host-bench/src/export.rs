@@ -14,20 +14,16 @@ use crate::scene_file::{Excitation, KEYS, Load, Model, Override, Scene, Tone, ke
 
 pub(crate) use self::fmu::fmu;
 
-/// A scene as a subcircuit.
 pub(crate) struct Netlist {
     /// Equations, signs and accuracy, as lines of a comment.
     notes: String,
     parameters: Vec<Parameter>,
-    /// Lines of elements.
     elements: String,
     /// Time steps of the deck in a period of the excitation.
     points: f64,
-    /// Options of the deck.
     options: &'static str,
 }
 
-/// A parameter of a subcircuit.
 struct Parameter {
     name: String,
     value: f64,
@@ -138,7 +134,6 @@ fn values(scene: &Scene, overrides: &[Override]) -> String {
     text
 }
 
-/// Lines as comments.
 fn comment(text: &str) -> String {
     text.lines().map(|line| format!("* {}", ascii(line)).trim_end().to_owned() + "\n").collect()
 }

@@ -146,12 +146,10 @@ fn each<C: Sync, R: Send>(
     cases.par_iter().map(one).collect()
 }
 
-/// A shipped scene by the name of its file.
 fn shipped(name: &str) -> Result<Scene, Failure> {
-    Ok(scene_file::read(&scene_file::shipped(name), &[])?)
+    Ok(scene_file::read_shipped(name, &[])?)
 }
 
-/// The sine of a scene's base acceleration.
 fn sine(scene: &Scene) -> Result<&Tone, Failure> {
     match &scene.excitation {
         Excitation::Sine(tone) => Ok(tone),
@@ -159,7 +157,6 @@ fn sine(scene: &Scene) -> Result<&Tone, Failure> {
     }
 }
 
-/// Headings before rows.
 fn table<const N: usize>(headings: [&str; N], rows: impl Iterator<Item = [String; N]>) -> Vec<Vec<String>> {
     std::iter::once(headings.map(str::to_owned)).chain(rows).map(Vec::from).collect()
 }

@@ -110,7 +110,6 @@ type Measured = Vec<Check>;
 
 /// Runs from which some findings are measured together.
 struct Experiment {
-    /// Numbers of the findings.
     numbers: &'static [&'static str],
     measure: fn() -> Result<Measured, Failure>,
 }

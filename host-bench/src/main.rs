@@ -212,7 +212,6 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints the completions of a shell.
 fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), env!("CARGO_BIN_NAME"), &mut script);

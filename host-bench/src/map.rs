@@ -295,7 +295,6 @@ fn judged(
 const PER_LINE: usize = 14;
 
 /// The map as a Rust module with constants for firmware; `command` made it.
-#[must_use]
 pub fn module(map: &Map, scene: &str, command: &str) -> String {
     let [scene, command] = [scene, command].map(|text| Name::new(text).line());
     let Map { image, axes, agreement, .. } = map;
@@ -337,7 +336,6 @@ pub fn module(map: &Map, scene: &str, command: &str) -> String {
 }
 
 /// The map as little-endian bytes.
-#[must_use]
 pub fn bytes(map: &Map) -> Vec<u8> {
     map.image.words.iter().flat_map(|word| word.to_le_bytes()).collect()
 }

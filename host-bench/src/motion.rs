@@ -41,7 +41,6 @@ pub enum LogAxis {
     None,
 }
 
-/// What to draw.
 #[derive(Debug, Clone)]
 pub(crate) struct Wanted<'a> {
     pub(crate) title: &'a str,
@@ -181,7 +180,6 @@ pub(crate) fn title(file: &Path, method: &str, setting: &str) -> String {
     format!("{name}, {method}: {setting}")
 }
 
-/// The picture.
 pub(crate) fn picture(wanted: &Wanted<'_>, series: &[Series]) -> Result<Picture, Failure> {
     let has = |view: View| wanted.views.contains(&view);
     let mut charts: Vec<Chart> = Vec::new();
@@ -199,7 +197,6 @@ pub(crate) fn picture(wanted: &Wanted<'_>, series: &[Series]) -> Result<Picture,
     Ok(Picture { title: wanted.title.to_owned(), width: WIDTH, charts, figure, text: String::new() })
 }
 
-/// Each run with its colour.
 fn coloured(series: &[Series]) -> impl Iterator<Item = (&Series, RGBColor)> {
     series.iter().zip(COLOURS.into_iter().cycle())
 }

@@ -59,13 +59,11 @@ fn by_name<S: serde::Serializer>(part: &Part, serializer: S) -> Result<S::Ok, S:
     serializer.serialize_str(&part.name())
 }
 
-/// What a scene needs.
 pub(crate) struct Needs {
     pub(crate) findings: Vec<Finding>,
     /// The parts that are left out of the cut scene.
     pub(crate) cut: Vec<Part>,
     pub(crate) cut_scene: Scene,
-    /// The change by all of them.
     pub(crate) cut_change: Change,
 }
 

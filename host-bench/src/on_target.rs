@@ -59,13 +59,11 @@ pub struct Stretch {
 
 impl Workload {
     /// From the start to the last sample.
-    #[must_use]
     pub fn whole(&self) -> Stretch {
         self.after(0)
     }
 
     /// From the sample at a simulated time in microseconds, or from the start at 0, to the last sample.
-    #[must_use]
     pub fn after(&self, simulated_us: u64) -> Stretch {
         // A computation without simulated time has its sample at 0.
         let start =
@@ -83,13 +81,11 @@ impl Workload {
 
 impl Stretch {
     /// Instructions for a step.
-    #[must_use]
     pub fn instructions_per_step(&self) -> f64 {
         self.instructions / self.steps as f64
     }
 
     /// Instructions for a simulated second.
-    #[must_use]
     pub fn instructions_per_second(&self) -> f64 {
         self.instructions / self.seconds
     }
@@ -160,7 +156,6 @@ impl Bench {
     }
 
     /// The core.
-    #[must_use]
     pub fn core(&self) -> Core {
         self.core
     }
@@ -251,7 +246,6 @@ impl<'a> Firmware<'a> {
     }
 }
 
-/// The workloads of a log.
 fn workloads(core: Core, firmware: &Path, log: &[u8]) -> Result<Vec<Workload>, decode::Error> {
     let sections = decode::decode(firmware, log)?;
     sections.into_iter().map(|section| workload(core, section)).collect()

@@ -114,7 +114,6 @@ impl FromStr for Constraint {
     }
 }
 
-/// What is sought.
 pub(crate) struct Request<'a> {
     pub(crate) file: &'a Path,
     pub(crate) overrides: &'a [Override],
@@ -177,7 +176,6 @@ impl Request<'_> {
         run_scene(&self.scene(place)?, &self.options)
     }
 
-    /// Counts a run.
     fn counted(&self, found: Result<Outcome, Failure>) -> Result<Outcome, Failure> {
         self.runs.all.fetch_add(1, Ordering::Relaxed);
         self.runs.failed.fetch_add(usize::from(found.is_err()), Ordering::Relaxed);
@@ -312,7 +310,6 @@ impl Tuning {
     }
 }
 
-/// A point that was run.
 #[derive(Debug, Clone)]
 pub(crate) struct Point {
     /// Part of the range of each key.
@@ -329,7 +326,6 @@ impl Point {
         part <= 1e-6 || part >= 1.0 - 1e-6
     }
 
-    /// Its value, if it keeps all constraints.
     pub(crate) fn feasible(&self) -> Option<f64> {
         self.found
             .as_ref()
@@ -343,7 +339,6 @@ impl Point {
     }
 }
 
-/// The result.
 #[derive(Debug)]
 pub(crate) struct Optimum {
     pub(crate) best: Point,
@@ -365,7 +360,6 @@ pub(crate) struct Optimum {
 }
 
 impl Optimum {
-    /// The keys and values of a point.
     pub(crate) fn values(request: &Request<'_>, point: &Point) -> Vec<(String, f64)> {
         let ranges = request.ranges.iter().zip(&point.place);
         ranges.map(|(range, part)| (range.key.clone(), range.value(*part))).collect()
@@ -376,7 +370,6 @@ impl Optimum {
         self.doubts.iter().chain(&self.outcome.warnings)
     }
 
-    /// The result as JSON.
     pub(crate) fn json(&self, request: &Request<'_>) -> Map<String, Value> {
         let of_point = |point: &Point| -> Map<String, Value> {
             Self::values(request, point).into_iter().map(|(key, value)| (key, json!(value))).collect()

@@ -42,7 +42,6 @@ impl Picture {
             .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))
     }
 
-    /// The page.
     pub(crate) fn page(&self) -> Result<String, Failure> {
         if self.charts.is_empty() && self.figure.is_none() {
             // An error that says so.
@@ -78,7 +77,6 @@ impl Picture {
     }
 }
 
-/// The report on error against run time.
 pub(crate) fn report(comparisons: &[Comparison]) -> Result<String, Failure> {
     let mut page = Page::new("Vibration energy harvesters: error against run time");
     page.add(

@@ -55,7 +55,6 @@ impl Seeds {
     }
 
     /// The number of seeds.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.count as usize
     }
@@ -82,7 +81,6 @@ pub struct SampleStatistics {
 
 impl SampleStatistics {
     /// Of the values of the seeds; `None` of no value.
-    #[must_use]
     pub fn of(values: &[f64]) -> Option<Self> {
         let number = values.len() as f64;
         let mean = values.iter().sum::<f64>() / number;
@@ -192,7 +190,6 @@ impl Statistics {
         }
     }
 
-    /// A row for each number.
     fn rows(&self) -> Rows {
         let row = |(name, statistics): &(String, SampleStatistics)| {
             let mut row = Fields::from_iter([("quantity".to_owned(), name.as_str().into())]);
@@ -220,7 +217,6 @@ impl Statistics {
     }
 }
 
-/// Columns of the table.
 const COLUMNS: [Column<'_>; 8] = [
     ("quantity", "quantity", Digits::Word),
     ("mean", "mean", Digits::Exponent(5)),

@@ -40,7 +40,6 @@ pub trait Strategy {
     /// Wakes it at a second, with the code of the storage's voltage where it was read; after a lock-out with `was_off`.
     fn wake(&mut self, now: u32, code: Option<u32>, was_off: bool) -> Wake;
 
-    /// Takes samples of a burst.
     fn samples(&mut self, _samples: &[i16]) -> Progress {
         Progress::Idle
     }

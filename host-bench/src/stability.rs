@@ -42,7 +42,6 @@ pub struct Case {
 
 impl Case {
     /// A case of the shipped scene `scene`, changed by `--set` options, each as `key=value`.
-    #[must_use]
     pub fn of(scene: &'static str, changes: &[&str], precision: Precision) -> Self {
         let pairs = changes.iter().filter_map(|change| change.split_once('='));
         let changes = pairs.map(|(key, value)| (key.to_owned(), value.to_owned())).collect();
@@ -60,13 +59,11 @@ impl Case {
     }
 
     /// The options of its run.
-    #[must_use]
     pub fn options(&self) -> Options {
         Options { precision: Some(self.precision), step_s: self.step_s, ..Options::default() }
     }
 
     /// The arguments with which the command line runs it, quoted for a shell.
-    #[must_use]
     pub fn arguments(&self) -> String {
         let sets: Vec<String> =
             self.changes.iter().map(|(key, value)| format!(" --set '{key}={value}'")).collect();
@@ -75,7 +72,6 @@ impl Case {
         format!("run host-bench/scenes/{}.toml --precision {precision}{step}{}", self.scene, sets.concat())
     }
 
-    /// The case with one more changed key.
     pub(crate) fn with(mut self, key: &str, value: impl Display) -> Self {
         self.changes.push((key.to_owned(), value.to_string()));
         self

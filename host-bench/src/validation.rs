@@ -53,7 +53,6 @@ pub fn figures() -> Result<Vec<Figure>, Failure> {
     Ok([bimorph()?, charging()?].concat())
 }
 
-/// A shipped scene with these keys changed.
 fn scene(name: &str, changes: &[(&str, f64)]) -> Result<Scene, Failure> {
     let changes: Vec<Override> =
         changes.iter().map(|(key, value)| Override::new(key, &value.to_string())).collect();

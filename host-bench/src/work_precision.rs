@@ -56,7 +56,6 @@ fn kind(scene: &Scene) -> &'static Kind {
 pub(crate) struct Errors(Vec<(&'static str, Option<f64>)>);
 
 impl Errors {
-    /// The error of this name.
     fn get(&self, name: &str) -> Option<f64> {
         self.0.iter().find(|(other, _)| *other == name).and_then(|(_, error)| *error)
     }
@@ -138,7 +137,6 @@ struct Omitted {
 pub(crate) struct Comparison {
     pub(crate) kind: &'static Kind,
     pub(crate) scene: Scene,
-    /// The outcome of the reference.
     reference: Outcome,
     pub(crate) rows: Vec<Row>,
     omitted: Vec<Omitted>,
@@ -166,7 +164,6 @@ impl Comparison {
         self.kind.target.1
     }
 
-    /// The error of a row by which rows are compared.
     pub(crate) fn error(&self, row: &Row) -> Option<f64> {
         row.error(self.kind.target.0)
     }
@@ -193,7 +190,6 @@ struct Timed {
 }
 
 impl Timed {
-    /// Runs a variant for its errors.
     fn run(scene: &Scene, variant: Variant) -> Result<Self, Failure> {
         let outcome = try_run_scene(scene, &variant.options())?;
         Ok(Self { variant, outcome, times: Vec::new() })

@@ -1,9 +1,7 @@
 //! Common code of the tests across crates: the shipped scenes, modified and run.
 
-use std::path::Path;
-
 use host_bench::method::{Method, Options, Precision};
-use host_bench::outcome::{ContactSeparationOutcome, Outcome, SlidingOutcome};
+use host_bench::outcome::{BumpStopOutcome, ContactSeparationOutcome, Outcome, SlidingOutcome};
 use host_bench::run::run_scene;
 use host_bench::scene_file::{
     self, ContactSeparation, Excitation, Load, RunSpan, Scene, Sliding, SlidingParameters, Tone,
@@ -14,7 +12,7 @@ pub use model_core::part::GRAVITY;
 /// The shipped contact-separation scene (Table 2 of the paper), changed by `change`.
 #[must_use]
 pub fn contact_separation(change: impl FnOnce(&mut Scene, &mut ContactSeparation)) -> Scene {
-    let mut scene = shipped("contact-separation.toml");
+    let mut scene = shipped("contact-separation", &[]);
     let mut model = scene.contact_separation().expect("a contact-separation scene").clone();
     change(&mut scene, &mut model);
     scene.model = model.into();
@@ -24,16 +22,17 @@ pub fn contact_separation(change: impl FnOnce(&mut Scene, &mut ContactSeparation
 /// The shipped sliding scene (Table 1 of the paper), changed by `change`.
 #[must_use]
 pub fn sliding(change: impl FnOnce(&mut Scene, &mut Sliding)) -> Scene {
-    let mut scene = shipped("sliding.toml");
+    let mut scene = shipped("sliding", &[]);
     let mut model = scene.sliding().expect("a sliding scene").clone();
     change(&mut scene, &mut model);
     scene.model = model.into();
     scene
 }
 
-fn shipped(name: &str) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes").join(name);
-    scene_file::read(&file, &[]).expect("the shipped scene is valid")
+/// A shipped scene by the name of its file, with these keys changed.
+#[must_use]
+pub fn shipped(name: &str, changes: &[(&str, &str)]) -> Scene {
+    scene_file::read_shipped(name, changes).expect("the shipped scene is valid")
 }
 
 /// The same coefficients of friction on both patches, static and kinetic.
@@ -91,8 +90,14 @@ pub fn reference() -> Options {
 
 /// Runs a scene that must run.
 #[must_use]
+pub fn outcome(scene: &Scene, options: &Options) -> Outcome {
+    run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"))
+}
+
+/// Runs a contact-separation scene that must run.
+#[must_use]
 pub fn run(scene: &Scene, options: &Options) -> (Outcome, ContactSeparationOutcome) {
-    let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
+    let outcome = outcome(scene, options);
     let particular = outcome.contact_separation().expect("a contact-separation run").clone();
     (outcome, particular)
 }
@@ -100,8 +105,16 @@ pub fn run(scene: &Scene, options: &Options) -> (Outcome, ContactSeparationOutco
 /// Runs a sliding scene that must run.
 #[must_use]
 pub fn slide(scene: &Scene, options: &Options) -> (Outcome, SlidingOutcome) {
-    let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
+    let outcome = outcome(scene, options);
     let particular = outcome.sliding().expect("a sliding run").clone();
+    (outcome, particular)
+}
+
+/// Runs a bump-stop scene that must run.
+#[must_use]
+pub fn run_beam(scene: &Scene, options: &Options) -> (Outcome, BumpStopOutcome) {
+    let outcome = outcome(scene, options);
+    let particular = outcome.bump_stop().expect("a bump-stop run").clone();
     (outcome, particular)
 }
 

@@ -27,12 +27,10 @@ fn refuse<T>(reason: &str) -> Result<T, Stop> {
     Err(Stop::Refused(reason.to_owned()))
 }
 
-/// What the core refuses.
 fn refused(error: impl std::fmt::Display) -> Stop {
     Stop::Refused(error.to_string())
 }
 
-/// Runs a scene.
 pub(crate) fn run(scene: &Scene, method: Method, setting: f64) -> Result<Meter, Stop> {
     let run = Run { scene, method, setting };
     match &scene.model {
@@ -42,7 +40,6 @@ pub(crate) fn run(scene: &Scene, method: Method, setting: f64) -> Result<Meter, 
     }
 }
 
-/// What a run needs besides the harvester.
 struct Run<'a> {
     scene: &'a Scene,
     method: Method,

@@ -28,7 +28,6 @@ pub enum Stop {
     Integrator(String),
     /// The run was given up.
     TooManySteps {
-        /// Steps taken.
         steps: f64,
         /// Simulated time in s.
         time_s: f64,
@@ -60,7 +59,6 @@ pub struct PeerRun {
     pub steps_per_simulated_second: f64,
 }
 
-/// The sums of a run.
 pub(crate) struct Meter {
     began: ThreadTime,
     /// Energy in J delivered before the measuring window.
@@ -72,7 +70,6 @@ pub(crate) struct Meter {
 }
 
 impl Meter {
-    /// Begins a run.
     pub(crate) fn begin() -> Self {
         Self { began: ThreadTime::now(), before: 0.0, delivered: 0.0, processor_s: 0.0, steps: 0.0 }
     }
@@ -108,7 +105,6 @@ pub fn run(scene: &Scene, method: Method, setting: f64) -> Result<PeerRun, Stop>
 }
 
 /// Whether a method is one for the kind of a scene.
-#[must_use]
 pub fn fits(scene: &Scene, method: Method) -> bool {
     match method {
         Method::DiscreteGradient => matches!(scene.model, Model::BumpStop(_)),

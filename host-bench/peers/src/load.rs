@@ -19,7 +19,6 @@ pub(crate) struct Port {
     pub(crate) capacitance: f64,
 }
 
-/// What follows an event of the motion.
 pub(crate) enum After<B> {
     /// It goes on, on this branch.
     On(B),
@@ -29,12 +28,10 @@ pub(crate) enum After<B> {
 
 /// The motion of a harvester and its electrostatics.
 pub(crate) trait Transducer {
-    /// Branch of the equations.
     type Branch: Copy;
     /// Number of guards of the motion, the first ones.
     const GUARDS: usize;
 
-    /// The base acceleration.
     fn base(&self) -> &Base;
 
     /// What the motion does at time zero, with its state written to `motion`.
@@ -50,7 +47,6 @@ pub(crate) trait Transducer {
     /// Rates of the motion, and the port, at a base acceleration in m/s² and a voltage in V.
     fn flow(&self, branch: Self::Branch, base: f64, motion: &[f64], voltage: f64, rates: &mut [f64]) -> Port;
 
-    /// The port alone.
     fn port(&self, branch: Self::Branch, motion: &[f64], voltage: f64) -> Port;
 
     /// Derivative of [`Self::flow`] in the direction of a change of motion and voltage, after the port itself.
@@ -62,10 +58,8 @@ pub(crate) trait Transducer {
         rates: &mut [f64],
     ) -> [Port; 2];
 
-    /// The guards of the motion.
     fn guards(&self, branch: Self::Branch, motion: &[f64]) -> [f64; 2];
 
-    /// Carries out the event of a guard.
     fn jump(
         &self,
         guard: usize,

@@ -36,7 +36,6 @@ enum Settings {
     Tolerance(i32, i32),
 }
 
-/// A line of the list of methods.
 struct Entry {
     method: Method,
     name: &'static str,
@@ -73,7 +72,6 @@ impl Method {
     }
 
     /// The method of this name.
-    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         LIST.iter().find(|entry| entry.name == name).map(|entry| entry.method)
     }
@@ -83,25 +81,21 @@ impl Method {
     }
 
     /// Its name in the table.
-    #[must_use]
     pub fn name(self) -> &'static str {
         self.entry().name
     }
 
     /// The crate that it is of, if it is not the embedded core.
-    #[must_use]
     pub fn peer(self) -> Option<&'static str> {
         self.entry().peer
     }
 
     /// Whether a setting is a number of steps per period of the base, and not a tolerance.
-    #[must_use]
     pub fn is_fixed(self) -> bool {
         matches!(self.entry().settings, StepsPerPeriod(..))
     }
 
     /// The settings from loose to tight: two in each octave of steps, three in each decade of a tolerance.
-    #[must_use]
     pub fn settings(self) -> Vec<f64> {
         match self.entry().settings {
             StepsPerPeriod(first, last) => {

@@ -56,7 +56,6 @@ fn refuse<T>(reason: &str) -> Result<T, Stop> {
     Err(Stop::Refused(reason.to_owned()))
 }
 
-/// Runs a scene.
 pub(crate) fn run(scene: &Scene, method: Method, tolerance: f64) -> Result<Meter, Stop> {
     let Excitation::Sine(tone) = &scene.excitation else {
         return refuse("excitation.kind: must be \"sine\" for the peers");

@@ -17,7 +17,6 @@ pub(crate) const GUARDS: usize = 5;
 /// A guard that a mode does not have.
 pub(crate) const NEVER: f64 = f64::INFINITY;
 
-/// A sine of the base acceleration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Base {
     /// Amplitude in m/s².
@@ -53,7 +52,6 @@ pub(crate) trait Harvester<const N: usize> {
     /// Branch of the equations of motion.
     type Branch: Copy;
 
-    /// The base acceleration.
     fn base(&self) -> &Base;
 
     /// Mode and state at time zero.
@@ -65,7 +63,6 @@ pub(crate) trait Harvester<const N: usize> {
     /// Sizes of the states, for absolute tolerances.
     fn sizes(&self) -> [f64; N];
 
-    /// Rates of the states.
     fn rates(&self, mode: &Mode<Self::Branch>, time: f64, state: &[f64; N]) -> [f64; N];
 
     /// Derivative of [`Self::rates`] in the direction of `change`.
@@ -80,13 +77,11 @@ pub(crate) trait Harvester<const N: usize> {
     /// Quantities that are above zero in this mode; an event is where one of them is no longer.
     fn guards(&self, mode: &Mode<Self::Branch>, state: &[f64; N]) -> [f64; GUARDS];
 
-    /// Carries out the event of a guard.
     fn jump(&self, guard: usize, time: f64, mode: &mut Mode<Self::Branch>, state: &mut [f64; N]);
 
     /// Force in N that is left before a stick ends.
     fn reserve(&self, mode: &Mode<Self::Branch>, time: f64, state: &[f64; N]) -> f64;
 
-    /// Ends a stick.
     fn release(&self, mode: &mut Mode<Self::Branch>, time: f64, state: &[f64; N]);
 
     /// The state after a stick of so many seconds.

@@ -133,7 +133,6 @@ pub(crate) fn problem<'a, H: Harvester<N>, const N: usize>(
         .build()
 }
 
-/// The states as an array.
 fn whole<const N: usize>(states: &[f64]) -> &[f64; N] {
     states.try_into().expect("the crate passes all states")
 }

@@ -1,7 +1,7 @@
 //! Each method against the reference, the Jacobians against differences, and what is refused.
 
 use harvester_reference::ReferenceOptions;
-use harvester_scene::scene_file::{Override, Scene, read, shipped};
+use harvester_scene::scene_file::{Scene, read_shipped};
 
 use super::scene::{Base, Harvester, Mode};
 use crate::load::{Transducer, WithBridge, WithResistor};
@@ -11,9 +11,8 @@ use crate::scene::sliding::Sliding;
 use crate::{CASES, Method, Stop, fits, run};
 
 fn scene(file: &str, overrides: &[&str]) -> Scene {
-    let overrides = overrides.iter().filter_map(|pair| pair.split_once('='));
-    let overrides: Vec<Override> = overrides.map(|(key, value)| Override::new(key, value)).collect();
-    read(&shipped(file), &overrides).expect("a shipped scene with good values")
+    let changes: Vec<(&str, &str)> = overrides.iter().filter_map(|pair| pair.split_once('=')).collect();
+    read_shipped(file, &changes).expect("a shipped scene with good values")
 }
 
 /// Asserts that every method but `slow` finds the mean power of the reference.

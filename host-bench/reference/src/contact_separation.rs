@@ -198,7 +198,6 @@ impl Harvester for ContactSeparation {
     }
 }
 
-/// The mass hits the dielectric.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Impact;
 

@@ -48,7 +48,6 @@ pub(super) fn add(sums: &mut Integrals, weight: f64, others: &Integrals) {
     }
 }
 
-/// What a run has gained and lost.
 #[derive(Debug)]
 pub(super) struct Ledger {
     /// Integrals over the whole run.

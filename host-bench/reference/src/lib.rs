@@ -20,7 +20,6 @@ use harvester_scene::scene_file::{BumpStop, Contact, Model, Scene};
 use sliding::Sliding;
 
 /// The reason why the reference refuses a scene, if it does.
-#[must_use]
 pub fn refusal(scene: &Scene) -> Option<String> {
     let Model::BumpStop(BumpStop { stop: Some(stop), .. }) = &scene.model else { return None };
     (stop.contact == Contact::DisplacementConstraint).then(|| {

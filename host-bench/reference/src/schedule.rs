@@ -7,7 +7,6 @@ use harvester_scene::scene_file::{RunSpan, Scene};
 /// Events in a row without progress after which a run is given up.
 const STORM: u32 = 10_000;
 
-/// Where a run is in time.
 #[derive(Debug)]
 pub(super) struct Schedule<'a> {
     base: Base<'a>,

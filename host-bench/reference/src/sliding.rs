@@ -245,7 +245,6 @@ impl Sliding {
 /// can follow the rates.
 const REACH: f64 = 1.0 - 1e-7;
 
-/// The end of a slip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum SlipEvent {
     /// The velocity is zero.

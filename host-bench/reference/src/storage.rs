@@ -12,7 +12,6 @@ pub(super) struct Storage {
     pub(super) drop: f64,
     /// Conductance of the leakage in S.
     pub(super) leakage: f64,
-    /// What the node draws.
     pub(super) draw: Draw,
     /// Voltage in V at the start.
     pub(super) initial: f64,

@@ -6,7 +6,7 @@ use harvester_scene::scene_file::{
 
 /// A shipped scene, by its name.
 fn shipped(name: &str) -> Scene {
-    scene_file::read(&scene_file::shipped(name), &[]).expect("the shipped scene is valid")
+    scene_file::read_shipped(name, &[]).expect("the shipped scene is valid")
 }
 
 /// The contact-separation harvester of Table 2.

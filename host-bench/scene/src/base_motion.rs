@@ -116,7 +116,6 @@ impl LocalBase {
         sine(burst.amplitude_m_per_s2, elapsed, left)
     }
 
-    /// The polynomial of a short stretch.
     fn polynomial(&self) -> Self {
         let span = self.smooth_for.min(self.piece_s());
         Self {
@@ -153,7 +152,6 @@ impl LocalBase {
         powers
     }
 
-    /// The sum of many sines.
     fn in_piece(&self, t: f64) -> f64 {
         let span = self.piece_s();
         let number = (t / span).floor();

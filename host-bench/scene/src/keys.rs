@@ -10,7 +10,6 @@ use crate::scene_file::KEYS;
 use crate::scene_file::key::{Bound, Default, Key, Kind, Short, Table, Value, quoted};
 
 /// The names of the scenes.
-#[must_use]
 pub fn scenes() -> Vec<&'static str> {
     KEYS.kinds.iter().map(|kind| kind.word).collect()
 }
@@ -44,7 +43,6 @@ pub struct Row {
 }
 
 /// The keys of one scene, or of all.
-#[must_use]
 pub fn rows(scene: Option<&str>) -> Vec<Row> {
     let mut rows = vec![selector(&KEYS, None, "")];
     for kind in KEYS.kinds.iter().filter(|kind| scene.is_none_or(|scene| scene == kind.word)) {

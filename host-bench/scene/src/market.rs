@@ -63,7 +63,6 @@ macro_rules! parts {
             }
         )*
 
-        /// The file.
         #[derive(Debug, Deserialize)]
         #[serde(deny_unknown_fields)]
         struct Market {

@@ -149,13 +149,11 @@ impl Failure {
 
 impl Options {
     /// The factor that the halvings apply to a step or a tolerance.
-    #[must_use]
     pub fn refinement(&self) -> f64 {
         0.5_f64.powi(self.halvings.cast_signed())
     }
 
     /// The precision of a run on the core: double, or that of its elementary functions.
-    #[must_use]
     pub fn chosen_precision(&self) -> Precision {
         self.precision.unwrap_or(match self.math {
             Some(Math::Micromath) => Precision::F32,

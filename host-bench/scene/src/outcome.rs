@@ -312,7 +312,6 @@ pub struct EnergyFlow {
 
 impl EnergyFlow {
     /// Names and energies: what comes in, where it goes, and what is left of it.
-    #[must_use]
     pub fn parts(&self) -> Vec<(&'static str, f64)> {
         let Self { base_j, dissipated_j, contact_j, delivered_j, diodes_j, created_j } = *self;
         let left_j = base_j + created_j - dissipated_j - contact_j - delivered_j - diodes_j;

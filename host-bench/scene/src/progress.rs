@@ -26,7 +26,6 @@ pub fn report(part: f64, [steps, events]: [u64; 2]) {
 }
 
 /// The number of computations that have begun, and of the last one the part that is done, its steps and its events.
-#[must_use]
 pub fn read() -> (u64, f64, [u64; 2]) {
     let [begun, done, steps, events] = [&BEGUN, &DONE, &STEPS, &EVENTS].map(|of| of.load(Ordering::Relaxed));
     (begun, f64::from_bits(done), [steps, events])

@@ -66,7 +66,6 @@ impl Rainflow {
     }
 
     /// The history as if it ended here: what remains is counted as half cycles.
-    #[must_use]
     fn ended(&self) -> Self {
         let mut ended = self.clone();
         ended.reduce();
@@ -78,14 +77,12 @@ impl Rainflow {
     }
 
     /// The largest range, in the unit of the values; 0 without a turning point.
-    #[must_use]
     pub fn largest_range(&self) -> f64 {
         self.ended().largest
     }
 
     /// The range in the unit of the values whose cycles, one per second over `seconds`, do the same damage by Miner's rule
     /// with an S–N curve of this exponent `m`: `(Σ n Δᵐ / seconds)^(1/m)`. Exact to half a class.
-    #[must_use]
     pub fn equivalent_range(&self, exponent: f64, seconds: f64) -> f64 {
         let ended = self.ended();
         // Relative to the largest range, whose power may overflow.
@@ -99,7 +96,6 @@ impl Rainflow {
 
     /// Number of cycles, half cycles by their half, of at least a part of the largest range, from 0 to 1; the limit is
     /// exact to 1 %.
-    #[must_use]
     pub fn cycles(&self, part: f64) -> f64 {
         let ended = self.ended();
         let limit = (CLASSES_PER_DOUBLING * (part * ended.largest).log2()).floor();

@@ -123,7 +123,6 @@ pub fn number_at(file: &Path, overrides: &[Override], key: &str) -> Result<Optio
 }
 
 /// The rows of a key such as `load.resistance_ohm`, one for each kind of its table that has it.
-#[must_use]
 pub fn rows_of(key: &str) -> Vec<&'static Key> {
     let mut rows = Vec::new();
     add_rows(&KEYS, key, &mut rows);
@@ -166,9 +165,17 @@ pub(crate) fn as_json(file: &Path, overrides: &[Override]) -> Result<serde_json:
 }
 
 /// The path of a scene file in `host-bench/scenes`, by its name without ending.
-#[must_use]
 pub fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name).with_extension("toml")
+}
+
+/// The scene of a file in `host-bench/scenes` by its name without ending, with these keys changed.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_shipped(name: &str, changes: &[(&str, &str)]) -> Result<Scene, SceneError> {
+    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
+    read(&shipped(name), &overrides)
 }
 
 fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>, Fit), SceneError> {

@@ -3,7 +3,7 @@
 use crate::scene_file::{self, BumpStop, Model, Scene, SlidingParameters};
 
 fn shipped(name: &str) -> Scene {
-    scene_file::read(&scene_file::shipped(name), &[]).expect("the shipped scene is valid")
+    scene_file::read_shipped(name, &[]).expect("the shipped scene is valid")
 }
 
 /// The sliding harvester of Table 1.

@@ -40,7 +40,6 @@ const HALVING: f64 = 4.0;
 /// Lengths of the longer steps that a beam which bounces at rest is compared with, over those of the run.
 const COARSER: [f64; 3] = [2.0, 4.0, 8.0];
 
-/// The stated error of a difference.
 fn stated(difference: Difference) -> f64 {
     let [of_whole, of_parts] = STATED;
     (of_whole * difference.whole).max(of_parts * difference.parts)
@@ -285,7 +284,6 @@ impl Statements {
         Ok(Self::of(&outcomes))
     }
 
-    /// Of some runs.
     pub(crate) fn of<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Self {
         let mut statements = Self::default();
         outcomes.into_iter().for_each(|outcome| statements.add(outcome));

@@ -22,12 +22,7 @@ pub(crate) enum Income {
     /// depend on the voltage is the only pair.
     ByLevel(Vec<Vec<(f64, f64)>>),
     /// Mean power in W in equal intervals of so many seconds.
-    Exact {
-        /// Length of an interval in s.
-        interval_s: u32,
-        /// Power in W in each.
-        powers_w: Vec<f64>,
-    },
+    Exact { interval_s: u32, powers_w: Vec<f64> },
 }
 
 impl Income {

@@ -26,7 +26,6 @@ pub(crate) struct NodeDay {
     pub(super) asleep_power_w: Option<f64>,
     /// Power that the node takes whatever it does in W.
     pub(super) standing_power_w: f64,
-    /// The figures of the named parts.
     pub(super) figures: Vec<PartFigure>,
     /// Stored energy in J at the start.
     pub(super) start_j: f64,
@@ -70,7 +69,6 @@ pub(crate) struct ActionOutcome {
     pub(super) by_hour: [u32; HOURS],
 }
 
-/// What was done to know the income.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct EstimationOutcome {
     #[serde(flatten)]
@@ -100,12 +98,10 @@ impl EstimationOutcome {
     }
 }
 
-/// The end of an update interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sample {
     /// Second of the day.
     pub(super) second: u32,
-    /// Stored energy in J.
     pub(super) stored_j: f64,
     /// Mean power delivered by the harvester over the interval, in W.
     pub(super) income_w: f64,

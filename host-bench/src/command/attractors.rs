@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::files::Outputs;
 use super::sweep::picture::{Labels, Quantity, picture};
 use super::sweep::{Axis, values};
-use super::{NODE, SceneArguments, check_overrides, count, one_more, print, progress};
+use super::{NODE, SceneArguments, check_overrides, count, one_more, print, with_progress};
 use crate::accuracy::{Statements, print_warnings, run_as_it_is};
 use crate::attractors::{self, Place, UNSETTLED, branches, ends, failed, settled};
 use crate::method::Failure;
@@ -64,9 +64,7 @@ pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
             .map(|(name, ends)| Axis::linear(name, ends, side));
     let grid = (0..side * side).map(|index| values(&axes, index)).map(|at| [at[1], at[0]]);
     let starts: Vec<[f64; 2]> = std::iter::once(start(&later)).chain(grid).collect();
-    let bar = progress(starts.len());
-    let ends = ends(&later, options, &starts, || one_more(&bar));
-    bar.finish_and_clear();
+    let ends = with_progress(starts.len(), |bar| ends(&later, options, &starts, || one_more(bar)));
     let mut found = branches(&ends, starts.len());
     found.sort_by(|one, other| other.share.total_cmp(&one.share));
     let stated = |branch: &Branch| {
@@ -90,7 +88,6 @@ pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
     outputs.ended()
 }
 
-/// Columns of the table.
 const COLUMNS: [&str; 6] =
     ["mean_power_w", "period", "share", "displacement_m", "velocity_m_per_s", "accuracy_total"];
 

@@ -255,7 +255,6 @@ impl Drop for Claim {
     }
 }
 
-/// Whether an open file is the one at a path.
 fn is_at(file: &File, path: &Path) -> io::Result<bool> {
     let own = file.try_clone().and_then(same_file::Handle::from_file)?;
     Ok(same_file::Handle::from_path(path).is_ok_and(|there| there == own))

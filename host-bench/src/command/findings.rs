@@ -8,7 +8,7 @@ use comfy_table::presets;
 use serde_json::{Value, json};
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{json_text, note, print, progress};
+use super::{json_text, note, print, progress, with_progress};
 use crate::figures::{self, Chapter, Figure, Subject};
 use crate::findings::{self, Check, Finding, Mark, Row, wanted};
 use crate::method::Failure;
@@ -35,9 +35,10 @@ pub struct FindingsArguments {
 /// # Errors
 /// An unknown number, a scene that is refused, or a finding whose mark is not the expected one.
 pub fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
-    let bar = progress(wanted(&arguments.only)?.len());
-    let rows = findings::measure(&arguments.only, arguments.single_start, &|count| bar.inc(count as u64))?;
-    bar.finish_and_clear();
+    let FindingsArguments { only, single_start, .. } = arguments;
+    let rows = with_progress(wanted(only)?.len(), |bar| {
+        findings::measure(only, *single_start, &|count| bar.inc(count as u64))
+    })?;
     print(&match arguments.format {
         Format::Table => text(&rows),
         Format::Json => json_text(&rows.iter().map(object).collect::<Vec<_>>())?,
@@ -89,7 +90,6 @@ fn row_text(row: &Row) -> String {
     text
 }
 
-/// A row as an object of JSON.
 fn object(row: &Row) -> Value {
     let check = |check: &Check| {
         json!({
@@ -132,7 +132,6 @@ fn csv_text(rows: &[Row]) -> String {
     csv("number,statement,scene,quantity,assertion,values,mark", lines)
 }
 
-/// The page of a harvester.
 const PAGE: &str = "index.html";
 
 #[derive(Debug, Clone, clap::Args)]
@@ -188,7 +187,6 @@ pub fn run_figures(arguments: &FiguresArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The tables of a chapter, aligned.
 fn tables(chapter: &Chapter) -> String {
     chapter.figures.iter().filter(|figure| !figure.table.is_empty()).map(aligned).collect()
 }
@@ -210,7 +208,6 @@ pub struct ValidationArguments {
     format: Format,
 }
 
-/// Columns of the table.
 const VALIDATION: [Column<'_>; 7] = [
     ("source", "source", Digits::Word),
     ("quantity", "quantity", Digits::Word),

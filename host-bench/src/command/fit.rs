@@ -15,7 +15,6 @@ use crate::scene_file::{self, Fit};
 /// Starts that are looked at where the first one does not end well.
 const STARTS: usize = 24;
 
-/// What is added up of the residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum LossName {
     /// Their squares.
@@ -106,7 +105,6 @@ fn fitted(arguments: &FitArguments) -> Result<(FitResult, Outputs), Failure> {
 }
 
 impl FitArguments {
-    /// An error of the table `[fit]`.
     fn of_table(&self, error: &str) -> Failure {
         Failure::Input(format!("{}: fit.{error}", self.scene.scene.display()))
     }
@@ -135,7 +133,6 @@ impl FitArguments {
         }
     }
 
-    /// The picture beside the fitted scene.
     fn beside(&self) -> Option<PathBuf> {
         self.output.as_deref().and_then(beside)
     }

@@ -4,10 +4,13 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use indicatif::ProgressBar;
 use serde_json::json;
 
 use super::files::Outputs;
-use super::{NODE, SceneArguments, Unused, check_overrides, count, one_more, print, progress, set_option};
+use super::{
+    NODE, SceneArguments, Unused, check_overrides, count, one_more, print, set_option, with_progress,
+};
 use crate::accuracy::print_warnings;
 use crate::map::{self, Agreement, Detected, Map, Prediction, Request, Step};
 use crate::method::Failure;
@@ -79,6 +82,14 @@ pub struct MapArguments {
     picture: Option<PathBuf>,
 }
 
+/// Counts the steps of a map on a bar.
+pub(super) fn counted_on(bar: &ProgressBar) -> impl Fn(Step) + Sync {
+    move |step| match step {
+        Step::More(count) => bar.inc_length(count as u64),
+        Step::Done => one_more(bar),
+    }
+}
+
 /// Makes the map, writes it, and prints how well it agrees with the model.
 pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let request = request(arguments)?;
@@ -91,13 +102,8 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
         outputs.check("--output", file)?;
     }
     outputs.check_picture("--picture", &arguments.picture)?;
-    let bar = progress(0);
-    let step = |step| match step {
-        Step::More(count) => bar.inc_length(count as u64),
-        Step::Done => one_more(&bar),
-    };
-    let found = map::map(&scene, &request, &arguments.scene.options, &step)?;
-    bar.finish_and_clear();
+    let options = &arguments.scene.options;
+    let found = with_progress(0, |bar| map::map(&scene, &request, options, &counted_on(bar)))?;
     let name = Name::of_file(&arguments.scene.scene).line();
     let drawn = || map::picture(&found, &name);
     if let Some([map_file, picture]) = &files {
@@ -127,12 +133,10 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
         })));
     }
     if arguments.inputs > 0 {
-        let bar = progress(arguments.inputs);
-        let options = &arguments.scene.options;
-        let detected =
-            map::detected(&scene, &found, arguments.inputs, request.seed, options, &|| one_more(&bar))?;
-        bar.finish_and_clear();
-        numbers.extend(inputs(&detected));
+        let detected = with_progress(arguments.inputs, |bar| {
+            map::detected(&scene, &found, arguments.inputs, request.seed, options, &|| one_more(bar))
+        });
+        numbers.extend(inputs(&detected?));
     }
     numbers.extend(stated);
     print(&text(&numbers, arguments.scene.format))?;

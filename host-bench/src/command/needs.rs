@@ -146,7 +146,6 @@ fn sine(scene: &Scene) -> Option<Corner> {
     }
 }
 
-/// The command that makes a file.
 fn command(arguments: &NeedsArguments, file: &Path) -> String {
     let sets: String = arguments.overrides.iter().map(set_option).collect();
     let NeedsArguments { scene, accuracy, amplitude, frequency, .. } = arguments;
@@ -181,14 +180,12 @@ struct Cost {
 }
 
 impl Emitting<'_> {
-    /// The cheapest setting in single precision.
     fn setting(&self) -> Result<Setting, Failure> {
         least_single(self.numerics)
             .map(|found| found.setting)
             .ok_or_else(|| Failure::Step("no method of the core holds the accuracy in f32".to_owned()))
     }
 
-    /// The module of the cut scene.
     fn cut(&self, command: &str) -> Result<String, Failure> {
         self.module(&self.needs.cut_scene, &self.needs.cut, command)
     }

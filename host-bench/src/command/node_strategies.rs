@@ -8,8 +8,8 @@ use comfy_table::presets;
 use serde::Serialize;
 
 use super::files::Outputs;
-use super::{count, one_more, print, progress};
-use crate::map::Step;
+use super::map::counted_on;
+use super::{count, one_more, print, with_progress};
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::rows::Rows;
@@ -62,15 +62,7 @@ pub struct NodeStrategiesArguments {
 
 /// The harvester of a name, or of a scene file, of which a response map is made.
 fn harvester(scene: &str) -> Result<Kind, Failure> {
-    let of_file = |_| {
-        let bar = progress(0);
-        let kind = Kind::of_file(Path::new(scene), &|step| match step {
-            Step::More(count) => bar.inc_length(count as u64),
-            Step::Done => one_more(&bar),
-        });
-        bar.finish_and_clear();
-        kind
-    };
+    let of_file = |_| with_progress(0, |bar| Kind::of_file(Path::new(scene), &counted_on(bar)));
     Kind::from_str(scene, false).or_else(of_file)
 }
 
@@ -99,9 +91,8 @@ pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
         let text = "--course: must not be truck or walking alone for a slider, which they do not move";
         return Err(Failure::Input(text.to_owned()));
     }
-    let bar = progress(ROWS * extent.storages.len());
-    let rows = rows(&extent, &lines, || one_more(&bar));
-    bar.finish_and_clear();
+    let count = ROWS * extent.storages.len();
+    let rows = with_progress(count, |bar| rows(&extent, &lines, || one_more(bar)));
     print_rows(&rows, arguments.format, 3)?;
     if let Some(file) = &arguments.page {
         let picture = picture::picture(only.unwrap_or(Kind::ContactSeparation))?;

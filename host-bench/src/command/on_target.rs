@@ -189,12 +189,10 @@ impl Output {
         println!("{}{note}\n", outcome::table(presets::ASCII_MARKDOWN, header, rows, text));
     }
 
-    /// A row of the JSON array.
     fn object(&mut self, object: Value) {
         self.objects.push(object);
     }
 
-    /// Prints the JSON array.
     fn finish(self) {
         if self.format == Format::Json {
             println!("{:#}", Value::Array(self.objects));

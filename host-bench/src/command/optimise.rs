@@ -72,7 +72,6 @@ pub struct OptimiseArguments {
 }
 
 /// How long it takes, for the help.
-#[must_use]
 pub fn run_time() -> String {
     let most = |is_constrained: bool| {
         let [one, two, three, four] =
@@ -175,7 +174,6 @@ fn grid(arguments: &OptimiseArguments) -> Result<usize, Failure> {
     Ok(count)
 }
 
-/// The best values for a scene file.
 fn entries(found: &Optimum, request: &Request<'_>) -> Vec<Entry> {
     let sought = if request.is_largest { "largest" } else { "smallest" };
     let values = Optimum::values(request, &found.best).into_iter().zip(&found.flat);

@@ -147,7 +147,6 @@ fn output(arguments: &PlotArguments, outputs: &Outputs) -> Result<PathBuf, Failu
     Ok(file.clone())
 }
 
-/// The runs with their names.
 fn scenes(arguments: &PlotArguments) -> Result<Vec<(String, Scene)>, Failure> {
     let Some(Compared { key, values }) = &arguments.compare else {
         let scene = scene_file::read(&arguments.scene, &arguments.overrides)?;

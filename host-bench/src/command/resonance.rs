@@ -111,7 +111,6 @@ fn stated(
     Statements::of_orbits(&places, options).map(|statements| statements.fields(doubts))
 }
 
-/// There is nothing to follow.
 fn no_orbit([from, to]: [f64; 2]) -> Failure {
     Failure::Step(format!(
         "no stable orbit of one period from {from} to {to} Hz: `run --steady-state` at one frequency prints what shooting \
@@ -119,7 +118,6 @@ fn no_orbit([from, to]: [f64; 2]) -> Failure {
     ))
 }
 
-/// Names and values of the peaks.
 fn described(scene: &Scene, found: &Resonance, periods: f64) -> Fields {
     let without = found.responses.iter().filter(|(_, response)| response.is_none()).count();
     let mut named = fields(&json!({
@@ -169,7 +167,6 @@ struct End {
     periods: f64,
 }
 
-/// Names and values of the comparison.
 fn compared(
     scene: &Scene,
     range_hz: [f64; 2],

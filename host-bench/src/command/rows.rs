@@ -19,7 +19,6 @@ const CHECKSUM: &str = ",checksum_fnv1a";
 /// Most bytes of a file of rows: a million rows of `sweep`, with their statements, have less.
 const MOST: u64 = 1 << 32;
 
-/// What a file of rows must be.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Kind<'a> {
     /// Names the file in errors.
@@ -110,7 +109,6 @@ impl Rows {
         written.map_err(|error| refusal(&self.option, &self.path, &format!("cannot be written: {error}")))
     }
 
-    /// Removes the file.
     pub(super) fn remove(self) {
         // A file that stays is that of this command, and does no harm.
         let _ = fs::remove_file(&self.path);

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::files::Outputs;
 use super::{
     NODE, SceneArguments, StorageVoltage, Unused, Watch, check_overrides, count, one_more, print, print_line,
-    progress,
+    with_progress,
 };
 use crate::accuracy::{imbalance, print_warnings, run_with_accuracy};
 use crate::attractors::add_branches;
@@ -132,10 +132,9 @@ pub(super) fn picture(
 /// Runs the scene with several seeds and prints the statistics over them.
 fn run_seeds(arguments: &RunArguments, scene: &Scene, options: &Options, count: u64) -> Result<(), Failure> {
     let seeds = seeds::Seeds::new(scene, count)?;
-    let bar = progress(seeds.count());
-    let found = Statistics::of(scene, options, &seeds, !arguments.no_accuracy, || one_more(&bar));
-    bar.finish_and_clear();
-    let found = found?;
+    let found = with_progress(seeds.count(), |bar| {
+        Statistics::of(scene, options, &seeds, !arguments.no_accuracy, || one_more(bar))
+    })?;
     print_warnings(&found.stated);
     print(&found.text(arguments.scene.format)?)
 }

@@ -56,7 +56,6 @@ pub struct StabilityArguments {
     report: Option<PathBuf>,
 }
 
-/// The page of the grid.
 const PAGE: &str = "index.html";
 /// The option that names the file of rows.
 const OUTPUT: &str = "--output";

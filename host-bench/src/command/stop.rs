@@ -215,7 +215,6 @@ fn fields(axes: &[Axis], row: &Row, rows: &[Row]) -> Fields {
     fields
 }
 
-/// Columns of the table behind the keys.
 const COLUMNS: [Column<'_>; 12] = [
     ("stop", "with_stop", Digits::Choice(["none", "yes"])),
     ("peak MPa", "clamp_stress_peak_pa", Digits::Fixed(1e-6, 3)),

@@ -106,7 +106,6 @@ pub(super) fn drawn(arguments: &PointArguments, axes: &[Axis]) -> Result<Picture
     Ok(Picture { text: lines.join("\n"), ..picture_of(axes, &points, &found)?.ok_or_else(none)? })
 }
 
-/// The points of a grid.
 fn points<'a>(arguments: &'a PointArguments, axes: &'a [Axis], compare: bool) -> Result<Points<'a>, Failure> {
     Ok(Points {
         arguments,
@@ -119,7 +118,6 @@ fn points<'a>(arguments: &'a PointArguments, axes: &'a [Axis], compare: bool) ->
     })
 }
 
-/// The picture, if there is one.
 fn picture_of(axes: &[Axis], points: &Points<'_>, found: &[Point]) -> Result<Option<Picture>, Failure> {
     let keys: Vec<&str> = axes.iter().filter(|axis| axis.count() > 1).map(|axis| axis.key.as_str()).collect();
     let title = points.title(found, &keys)?;

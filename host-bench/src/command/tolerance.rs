@@ -134,7 +134,6 @@ fn with_samples<T>(
     make(&points, done, &found, picture)
 }
 
-/// What the samples give.
 struct Found<'a> {
     arguments: &'a ToleranceArguments,
     /// The quantity of the scene, and of the samples that have it, in their order and sorted.

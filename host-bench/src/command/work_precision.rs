@@ -6,7 +6,9 @@ use comfy_table::presets;
 use serde_json::json;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{NODE, SHIPPED_SCENES, check_overrides, json_text, note, one_more, print, progress};
+use super::{
+    NODE, SHIPPED_SCENES, check_overrides, json_text, note, one_more, print, progress, with_progress,
+};
 use crate::method::{Failure, Method, Options, Precision};
 use crate::motion::{self, Series, View, Wanted};
 use crate::needs::{REPEATS, Study, cheapest, host_time};
@@ -99,7 +101,6 @@ pub fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
     })
 }
 
-/// Runs the grid and prints it.
 fn run_grid(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
     let cells = grid::cells(&arguments.overrides)?;
     let bar = progress(cells.len());
@@ -177,7 +178,6 @@ pub fn run_row(arguments: &RowArguments) -> Result<(), Failure> {
     work_precision::peers::run_one(scene, method, *setting, *duration_s)
 }
 
-/// The shipped scenes of an extent.
 pub(super) fn shipped(overrides: &[Override], extent: &Extent) -> Result<Vec<Scene>, Failure> {
     let cases = SHIPPED.iter().filter(|(_, _, is_short)| *is_short || extent.whole);
     let scenes = cases.map(|(name, own, _)| {
@@ -194,14 +194,11 @@ pub(super) fn shipped(overrides: &[Override], extent: &Extent) -> Result<Vec<Sce
 
 /// Runs the comparison on each scene, with a progress bar.
 pub(super) fn compare(scenes: &[Scene], extent: &Extent) -> Result<Vec<Comparison>, Failure> {
-    let bar = progress(scenes.iter().map(|scene| work_precision::length(scene, extent)).sum());
-    let comparisons =
-        scenes.iter().map(|scene| work_precision::compare(scene, extent, || one_more(&bar))).collect();
-    bar.finish_and_clear();
-    comparisons
+    with_progress(scenes.iter().map(|scene| work_precision::length(scene, extent)).sum(), |bar| {
+        scenes.iter().map(|scene| work_precision::compare(scene, extent, || one_more(bar))).collect()
+    })
 }
 
-/// The page of the report.
 const PAGE: &str = "index.html";
 /// The scene of the terminal, and the accuracy of its cut.
 const FIRST: &str = "contact-separation-passive";

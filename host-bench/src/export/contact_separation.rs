@@ -20,7 +20,6 @@ Left out: sticking as a state. A mass at rest in contact stays on the spring, an
 (stick_charge = \"relaxing\").
 ";
 
-/// The netlist of a contact-separation scene.
 pub(super) fn netlist(model: &ContactSeparation) -> Netlist {
     let from = &model.parameters;
     let mut parameters = Vec::new();
@@ -75,7 +74,7 @@ pub(super) fn netlist(model: &ContactSeparation) -> Netlist {
 /// Gap in m, velocity in m/s, and charge through the load in C at the start.
 fn start(model: &ContactSeparation) -> (f64, f64, f64) {
     let (from, initial) = (&model.parameters, &model.initial);
-    let gap = initial.gap_m.unwrap_or(from.initial_gap_m);
+    let gap = initial.position_m.unwrap_or(from.initial_gap_m);
     let thickness = from.dielectric_thickness_m / from.relative_permittivity;
     let charge = from.charge_density_c_per_m2 * from.electrode_area_m2;
     let transferred = initial.charge_c.unwrap_or(charge * gap / (gap + thickness));

@@ -28,7 +28,6 @@ pub enum Bound {
 /// Measured values of one quantity, and what is asserted of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Check {
-    /// The number of its finding.
     pub(super) number: &'static str,
     /// The quantity with its unit.
     pub quantity: String,
@@ -49,7 +48,6 @@ pub(super) fn check(
 }
 
 impl Check {
-    /// With the scenes of its runs.
     pub(super) fn of(self, scenes: impl IntoIterator<Item = Scene>) -> Self {
         Self { scenes: scenes.into_iter().collect(), ..self }
     }

@@ -28,7 +28,6 @@ fn at(changes: Changes<'_>, frequency_hz: f64) -> Result<Scene, Failure> {
     scene("contact-separation", &[changes, &[("excitation.frequency_hz", &frequency)]].concat())
 }
 
-/// A run from rest.
 #[derive(Clone, Copy)]
 struct Point {
     frequency_hz: f64,

@@ -46,7 +46,6 @@ impl Phases {
         self.chattering().filter_map(span).collect()
     }
 
-    /// Numbers of contacts of the chattering phases.
     fn counts(&self) -> impl Iterator<Item = f64> {
         self.chattering().map(|phase| phase.len() as f64)
     }
@@ -85,7 +84,6 @@ impl Phases {
     }
 }
 
-/// Period of the base in s.
 fn period_s(scene: &Scene) -> f64 {
     scene.excitation.single_frequency().map_or(f64::NAN, f64::recip)
 }
@@ -123,7 +121,6 @@ fn histories(names: [&str; 3], changes: Changes<'_>) -> Result<[History; 3], Fai
     each_of(names, |name| History::of(scene(name, changes)?))
 }
 
-/// Contacts of the scenes with a stop.
 fn phases_of(names: &[&str; 3], changes: Changes<'_>) -> Result<[Phases; 2], Failure> {
     let [tip, mid, _] = *names;
     each_of([tip, mid], |name| Phases::new(&scene(name, changes)?))

@@ -19,7 +19,6 @@ const WITHIN: f64 = 1e-2;
 /// Range in Hz of the resonance; with the largest charge and base acceleration it begins lower.
 const RANGE_HZ: [f64; 2] = [18.28, 18.42];
 const WIDE_RANGE_HZ: [f64; 2] = [18.1, 18.45];
-/// Keys.
 const CHARGE_DENSITY: &str = "parameters.charge_density_c_per_m2";
 const RESISTANCE: &str = "load.resistance_ohm";
 const AMPLITUDE: &str = "excitation.amplitude_g";
@@ -46,7 +45,6 @@ fn peak(changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Peak, Failure> {
     })
 }
 
-/// The peaks over the resistances.
 struct OverResistance {
     peaks: Vec<Peak>,
     /// That of the lowest frequency and that of the largest amplitude, at any resistance, the ends included.
@@ -75,7 +73,6 @@ fn shifts(peaks: &[Peak]) -> Vec<f64> {
     peaks.iter().map(|peak| peak.shift_mhz).collect()
 }
 
-/// The last value over the first.
 fn last_over_first(values: &[f64]) -> f64 {
     value(values.last().zip(values.first()).map(|(last, first)| last / first))
 }

@@ -6,7 +6,7 @@ use crate::embedded::{ContactInterval, contact_intervals};
 use crate::method::{Failure, Options};
 use crate::outcome::{BumpStopOutcome, Outcome};
 use crate::run::run_scene;
-use crate::scene_file::{self, Override, Scene, StopParameters};
+use crate::scene_file::{self, Scene, StopParameters};
 
 /// The scenes of the second paper far below the resonance: the stop at the tip, at mid-span, and none.
 pub(super) const OFF_RESONANCE: [&str; 3] =
@@ -14,13 +14,10 @@ pub(super) const OFF_RESONANCE: [&str; 3] =
 /// Those near the resonance, 220 Hz into 1 MΩ.
 pub(super) const NEAR_RESONANCE: [&str; 3] = ["bump-stop-tip", "bump-stop-mid-span", "bump-stop-none"];
 
-/// Keys and their values.
 pub(super) type Changes<'a> = &'a [(&'a str, &'a str)];
 
-/// A shipped scene with these keys changed.
 pub(super) fn scene(name: &str, changes: Changes<'_>) -> Result<Scene, Failure> {
-    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-    Ok(scene_file::read(&scene_file::shipped(name), &overrides)?)
+    Ok(scene_file::read_shipped(name, changes)?)
 }
 
 /// Runs a shipped scene with these keys changed, by the default method.
@@ -45,7 +42,6 @@ pub(super) fn each_of<C: Sync, R: Send, const N: usize>(
     each(&cases, work)?.try_into().map_err(count)
 }
 
-/// The numbers of a bump-stop run.
 pub(super) fn bump_stop(outcome: &Outcome) -> Result<&BumpStopOutcome, Failure> {
     outcome.bump_stop().ok_or_else(|| Failure::Input("a bump-stop scene must be run".to_owned()))
 }
@@ -58,7 +54,6 @@ pub(super) fn value(number: Option<f64>) -> f64 {
 /// Distance of the samples in s.
 pub(super) const EVERY_S: f64 = 1e-5;
 
-/// One sample of the motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     pub(super) time_s: f64,
@@ -106,28 +101,23 @@ impl History {
         stop(&self.scene).map_or(f64::NAN, |stop| stop.gap_m)
     }
 
-    /// Peak voltage in V.
     pub(super) fn peak_voltage_v(&self) -> f64 {
         value(self.outcome.peak_voltage_v)
     }
 
-    /// RMS voltage in V.
     pub(super) fn rms_voltage_v(&self) -> f64 {
         value(self.outcome.rms_voltage_v)
     }
 
-    /// Mean power in W.
     pub(super) fn mean_power_w(&self) -> f64 {
         value(self.outcome.mean_power_w)
     }
 
-    /// Mean contact force in N.
     pub(super) fn mean_force_n(&self) -> Result<f64, Failure> {
         Ok(value(bump_stop(&self.outcome)?.mean_force_n))
     }
 }
 
-/// The stop of a bump-stop scene.
 pub(super) fn stop(scene: &Scene) -> Option<&StopParameters> {
     scene.bump_stop().ok()?.stop.as_ref()
 }

@@ -22,7 +22,6 @@ pub(super) fn least<P: Copy>(
     Ok((if is_between { between } else { points[lowest] }, is_between || (1..last).contains(&lowest)))
 }
 
-/// Root of the mean square.
 pub(super) fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     mean(values.map(|value| value * value)).sqrt()
 }

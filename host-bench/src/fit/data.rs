@@ -57,7 +57,6 @@ pub(crate) enum Rows {
     },
 }
 
-/// A measured column.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Column {
     pub(crate) name: String,
@@ -66,7 +65,6 @@ pub(crate) struct Column {
     pub(crate) std: Option<Vec<f64>>,
 }
 
-/// A file of measurements.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Data {
     pub(crate) file: PathBuf,
@@ -191,7 +189,6 @@ impl Table<'_> {
         Ok(())
     }
 
-    /// The measured columns, with their standard deviations.
     fn measured(&self, names: &[&str]) -> Result<Vec<Column>, Failure> {
         let mut columns = Vec::new();
         for name in names {

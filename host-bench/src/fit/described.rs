@@ -21,7 +21,6 @@ const SMALL: f64 = 1e-3;
 /// Most rows that a warning names.
 const NAMED_ROWS: usize = 6;
 
-/// The numbers of a solution.
 pub(super) fn described(
     problem: &Problem<'_>,
     request: &Request<'_>,

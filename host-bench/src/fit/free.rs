@@ -47,7 +47,6 @@ impl std::str::FromStr for Asked {
     }
 }
 
-/// What a free number is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Place {
     /// A key of the scene.
@@ -56,7 +55,6 @@ pub(crate) enum Place {
     StartOf(usize),
 }
 
-/// A free number.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Free {
     /// Its name in the result: the key.
@@ -72,7 +70,6 @@ pub(crate) struct Free {
 }
 
 impl Free {
-    /// The coordinate at which the fit has a value.
     pub(crate) fn coordinate(&self, value: f64) -> f64 {
         match self.unit {
             Some(unit) => value / unit,
@@ -80,7 +77,6 @@ impl Free {
         }
     }
 
-    /// The value at a coordinate.
     pub(crate) fn value(&self, coordinate: f64) -> f64 {
         let value = self.unit.map_or_else(|| coordinate.exp(), |unit| coordinate * unit);
         // The rounding of the logarithm must not leave the bounds.
@@ -109,12 +105,10 @@ impl Free {
         self.unit.unwrap_or(value)
     }
 
-    /// The ends of its coordinate.
     pub(crate) fn ends(&self) -> [f64; 2] {
         [self.coordinate(self.low), self.coordinate(self.high)]
     }
 
-    /// Whether a value is at a bound.
     pub(crate) fn is_at_bound(&self, value: f64) -> bool {
         let at = self.coordinate(value);
         let [low, high] = self.ends();

@@ -33,7 +33,6 @@ enum Task {
     Trace(usize),
 }
 
-/// The model beside the data.
 pub(crate) struct Problem<'a> {
     pub(crate) file: &'a Path,
     pub(crate) overrides: &'a [Override],
@@ -131,12 +130,10 @@ impl<'a> Problem<'a> {
         self.first[self.data.len()]
     }
 
-    /// The index of a value.
     pub(crate) fn index(&self, file: usize, column: usize, row: usize) -> usize {
         self.first[file] + column * self.data[file].count() + row
     }
 
-    /// The measured values.
     pub(crate) fn measured(&self) -> Vec<f64> {
         let columns = self.data.iter().flat_map(|data| &data.columns);
         columns.flat_map(|column| column.values.iter().copied()).collect()
@@ -154,7 +151,6 @@ impl<'a> Problem<'a> {
         Ok(scene_file::read(self.file, &overrides)?)
     }
 
-    /// The values of the model.
     pub(crate) fn evaluate(&self, at: &[f64], options: &Options) -> Result<Evaluation, Failure> {
         self.evaluate_from(at, options, Begin::Start)
     }
@@ -216,7 +212,6 @@ impl<'a> Problem<'a> {
         Ok(found)
     }
 
-    /// The rows of a trace.
     fn trace(
         &self,
         scene: &Scene,
@@ -434,7 +429,7 @@ pub(crate) fn origin(scene: &Scene, data: &Data) -> f64 {
 /// Starts the motion of a scene at a coordinate: gap, displacement, or displacement of the first mode.
 pub(crate) fn displace(scene: &mut Scene, value: f64) {
     if let Ok(model) = scene.contact_separation_mut() {
-        model.initial.gap_m = Some(value.max(0.0));
+        model.initial.position_m = Some(value.max(0.0));
     } else if let Some([coordinate, ..]) = scene.model.start_mut() {
         *coordinate = Some(value);
     } else if let Some(first) =

@@ -43,7 +43,6 @@ pub(crate) struct Curve {
     pub(crate) lines: Vec<Line>,
 }
 
-/// The result of a fit.
 #[derive(Debug, Clone)]
 pub(crate) struct FitResult {
     pub(crate) scene: &'static str,
@@ -65,7 +64,6 @@ pub(crate) struct FitResult {
     pub(crate) curves: Vec<Curve>,
 }
 
-/// Whether a parameter is a part of a combination.
 fn is_part(combinations: &[Vec<f64>], index: usize) -> bool {
     combinations.iter().any(|combination| combination[index] != 0.0)
 }
@@ -261,7 +259,6 @@ pub(crate) fn text(found: &FitResult, format: Format) -> Result<String, Failure>
     }
 }
 
-/// A row for each parameter.
 fn rows(found: &FitResult) -> Rows {
     let stated = found.statements.fields(&found.warnings);
     let row = |parameter: &Parameter| {
@@ -277,7 +274,6 @@ fn rows(found: &FitResult) -> Rows {
     Rows(found.parameters.iter().map(row).collect())
 }
 
-/// Columns of the table.
 const COLUMNS: [Column<'_>; 7] = [
     ("key", "key", Digits::Word),
     ("value", "value", Digits::Exponent(5)),
@@ -307,7 +303,6 @@ fn for_people(found: &FitResult) -> String {
     text
 }
 
-/// A free number with its result.
 #[derive(Debug, Clone)]
 pub(crate) struct Parameter {
     pub(crate) key: String,
@@ -322,7 +317,6 @@ pub(crate) struct Parameter {
 }
 
 impl Parameter {
-    /// What a scene file says of it.
     pub(crate) fn entry(&self) -> Entry {
         let known = match self.interval_95 {
             Some([low, high]) => format!("95 % from {low:.4e} to {high:.4e}"),

@@ -29,7 +29,6 @@ impl Loss {
     }
 }
 
-/// The end of an iteration.
 #[derive(Debug, Clone)]
 pub(crate) struct Solved {
     pub(crate) at: Vec<f64>,
@@ -47,7 +46,6 @@ struct Fitter<'p, 'a> {
     step: f64,
     bounds: Vec<MPPar>,
     config: MPConfig,
-    /// The last point that was evaluated.
     last: Option<(Vec<f64>, Evaluation)>,
     best: Option<Solved>,
 }

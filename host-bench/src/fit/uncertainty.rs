@@ -15,7 +15,6 @@ const WEAK: f64 = 0.1;
 /// Part of the largest entry of a combination from which on a key is named.
 const NAMED: f64 = 0.1;
 
-/// What the Jacobian at the solution says.
 #[derive(Debug, Clone)]
 pub(crate) struct Uncertainty {
     /// Covariance of the coordinates; a row and a column of 0 for a coordinate at its bound.
@@ -98,7 +97,6 @@ impl Uncertainty {
         }
     }
 
-    /// Standard error of a coordinate.
     pub(crate) fn standard_error(&self, index: usize) -> f64 {
         self.covariance[(index, index)].max(0.0).sqrt()
     }
@@ -199,7 +197,6 @@ const NEAR: f64 = 2.0;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Unfollowed {
     column: String,
-    /// Relative residual.
     residual: f64,
     /// Medians of the magnitudes of data over model: at the solution, and at the start. `None` where the model is 0.
     ratios: [Option<f64>; 2],
@@ -229,7 +226,6 @@ impl Unfollowed {
         self.ratios.iter().flatten().any(|ratio| is_near_a_power_of_a_thousand(*ratio))
     }
 
-    /// The warning.
     pub(super) fn text(&self) -> String {
         let shown =
             |ratio: Option<f64>| ratio.map_or_else(|| "unknown".to_owned(), |ratio| format!("{ratio:.3e}"));

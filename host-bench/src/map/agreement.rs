@@ -34,7 +34,6 @@ pub struct Judged {
 
 impl Judged {
     /// The larger error.
-    #[must_use]
     pub fn error(&self) -> Option<f64> {
         self.errors.into_iter().flatten().reduce(f64::max)
     }

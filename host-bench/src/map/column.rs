@@ -82,7 +82,6 @@ fn halvings(point: Point, [lowest, highest]: [f64; 2]) -> u32 {
     if is_inside { HALVINGS[usize::from(point.motion.found == MotionKind::Mean)] } else { 0 }
 }
 
-/// Takes a harvester through the amplitudes.
 pub(super) fn column(
     continuation: &mut dyn AmplitudeContinuation,
     frequency_hz: f64,

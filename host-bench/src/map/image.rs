@@ -95,7 +95,6 @@ impl Content<'_> {
         if self.has_lower() && self.has_upper() { 1 } else { 2 }
     }
 
-    /// Rows of a branch.
     fn rows(&self) -> u32 {
         (ROWS as u32 / 2) << (self.row_bits() - 1)
     }
@@ -156,7 +155,6 @@ impl Content<'_> {
             .collect()
     }
 
-    /// The image.
     pub(super) fn image(&self) -> Result<Image, Failure> {
         let branches: Vec<usize> = [self.has_lower(), self.has_upper()]
             .iter()
@@ -348,7 +346,6 @@ impl Image {
     }
 
     /// Size in bytes.
-    #[must_use]
     pub fn bytes(&self) -> usize {
         2 * self.words.len()
     }

@@ -108,7 +108,6 @@ pub fn detected(
         .collect()
 }
 
-/// The sines of an input of a kind.
 fn sines(map: &Map, kind: Kind, source: &mut Source) -> Sines {
     let axes = &map.axes;
     let [low, high] = axes.amplitudes;

@@ -4,12 +4,11 @@ use super::axes::level_of;
 use super::*;
 use crate::closed_form::estimate;
 use crate::method::Precision;
-use crate::scene_file::{Excitation, Override, Tone, read, shipped};
+use crate::scene_file::{Excitation, Tone, read_shipped};
 use model_core::energy::Response;
 
 fn scene(name: &str, changes: &[(&str, &str)]) -> Scene {
-    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-    read(&shipped(name), &overrides).expect("a shipped scene")
+    read_shipped(name, changes).expect("a shipped scene")
 }
 
 fn request(amplitudes: [f64; 2], frequencies: [f64; 2]) -> Request {

@@ -31,14 +31,12 @@ pub(crate) fn quantity(column: &str) -> (String, &'static str) {
     (word.replace('_', " "), unit)
 }
 
-/// The rows of one run.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Series {
     /// Its name among others.
     pub(crate) name: String,
     columns: Vec<String>,
     rows: Vec<Vec<f64>>,
-    /// Instants of impacts in s.
     pub(crate) impacts_s: Vec<f64>,
     /// Where the energy went; unknown of a trace.
     pub(crate) flow: Option<EnergyFlow>,
@@ -119,7 +117,6 @@ impl Series {
         wanted.iter().filter(|name| has(name)).map(|&name| name.to_owned()).collect()
     }
 
-    /// The column of the position.
     pub(crate) fn position(&self) -> Option<&str> {
         let column = ["gap_m", "displacement_m", "tip_displacement_m"];
         self.columns.iter().map(String::as_str).find(|name| column.contains(name))

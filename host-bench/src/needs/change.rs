@@ -39,7 +39,6 @@ pub(crate) struct Change {
 /// Amplitude in m/s² and frequency in Hz.
 pub(crate) type Corner = [f64; 2];
 
-/// A corner as text.
 pub(crate) fn corner_name([amplitude, frequency]: Corner) -> String {
     format!("{} m/s² and {frequency} Hz", (1e6 * amplitude).round() / 1e6)
 }

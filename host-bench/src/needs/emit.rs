@@ -14,6 +14,7 @@ use crate::method::{Failure, Method, Precision};
 use crate::name::Name;
 use crate::scene_file::{
     BumpStop, ContactSeparation, Coupling, Load, Model, Scene, Sliding, StickCharge, Transducer,
+    TriboelectricStart,
 };
 use model_core::clock::Instant;
 
@@ -57,15 +58,12 @@ const OF_SCENE: [&str; 19] = [
     "BumpStop",
 ];
 
-/// What a module is made from.
 pub(crate) struct Emission<'a> {
     /// The scene without the parts that it does not need.
     pub(crate) scene: &'a Scene,
     /// The parts that were left out.
     pub(crate) cut: &'a [Part],
-    /// What steps it.
     pub(crate) setting: Setting,
-    /// The command that made it.
     pub(crate) command: &'a str,
     /// Relative accuracy of the mean power.
     pub(crate) accuracy: f64,
@@ -135,7 +133,6 @@ pub fn start() -> {start_type} {{
         format!("// Made by `{}`.\n//\n// Left out: {left_out}.\n\n", Name::new(self.command).line())
     }
 
-    /// The imports of the names that `body` has.
     fn imports(&self, body: &str) -> String {
         let scene = format!("scene::{}", self.scene.name().replace('-', "_"));
         let words: BTreeSet<&str> =
@@ -191,10 +188,7 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
             ("sticking", self.sticking(from.stick_charge)),
         ];
         let numbers = model_core::contact_separation_numbers!(harvester_scene::of_rows! { names from });
-        let initial = &model.initial;
-        let start =
-            [("gap", initial.gap_m), ("velocity", initial.velocity_m_per_s), ("charge", initial.charge_c)];
-        self.triboelectric("ContactSeparation", &choices, &numbers, &start)
+        self.triboelectric("ContactSeparation", &choices, &numbers, ("gap", &model.initial))
     }
 
     fn sliding(&self, model: &Sliding) -> Pieces {
@@ -218,13 +212,7 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
             ("lateral_force", unit(if from.lateral_force { "FieldLateralForce" } else { "NoLateralForce" })),
         ];
         let numbers = model_core::sliding_numbers!(harvester_scene::of_rows! { names from });
-        let initial = &model.initial;
-        let start = [
-            ("displacement", initial.displacement_m),
-            ("velocity", initial.velocity_m_per_s),
-            ("charge", initial.charge_c),
-        ];
-        self.triboelectric("Sliding", &choices, &numbers, &start)
+        self.triboelectric("Sliding", &choices, &numbers, ("displacement", &model.initial))
     }
 
     /// The behaviour in stick, or that the moving part never sticks.
@@ -244,8 +232,13 @@ pub const WINDOW_TICKS: [u64; 2] = [{settle}, {end}];
         scene: &str,
         choices: &[(&str, Component)],
         numbers: &[(&str, f64)],
-        start: &[(&str, Option<f64>)],
+        (position, initial): (&str, &TriboelectricStart),
     ) -> Pieces {
+        let start = [
+            (position, initial.position_m),
+            ("velocity", initial.velocity_m_per_s),
+            ("charge", initial.charge_c),
+        ];
         let choice_types: Vec<&str> = choices.iter().map(|(_, choice)| choice.of_type.as_str()).collect();
         let choices_type = format!("Choices<{}>", choice_types.join(", "));
         let (method, control_type, control) = self.stepping();
@@ -360,7 +353,6 @@ fn circuit(of: Load) -> Component {
     Component { of_type: format!("Resistive<{of_type}>"), value: format!("Resistive({value})") }
 }
 
-/// The piezoelectric layers.
 fn transducer(of: Transducer) -> Component {
     match of {
         Transducer::Monomorph => unit("Monomorph"),

@@ -59,7 +59,6 @@ pub(crate) struct Numerics {
 }
 
 impl Setting {
-    /// The options of its run.
     pub(crate) fn options(&self) -> Options {
         let options = Options {
             method: self.method,

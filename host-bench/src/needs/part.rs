@@ -75,7 +75,6 @@ impl Part {
         }
     }
 
-    /// Leaves the part out of a scene.
     pub(crate) fn leave_out(self, scene: &mut Scene) {
         match &mut scene.load {
             load @ (Load::RectifiedStore(_) | Load::DcBus { .. }) => self.leave_out_of_load(load),

@@ -33,13 +33,11 @@ const OF_A_RUN: f64 = 3.0;
 /// A scene whose parts are examined.
 pub(crate) struct Study {
     pub(crate) scene: Scene,
-    /// The stated accuracy.
     pub(super) accuracy: f64,
     /// The run of the full scene. Mean power and voltages are means over `runs`.
     pub(crate) full: Outcome,
     /// The runs of the full scene: several of a chaotic motion.
     runs: Vec<Outcome>,
-    /// Their options.
     pub(super) options: Options,
     /// Whether a base acceleration larger by 10⁻⁹ changes the mean power by more than a tenth of the accuracy.
     pub(crate) is_chaotic: bool,
@@ -240,7 +238,6 @@ impl Study {
         }
     }
 
-    /// The scene without some parts.
     pub(super) fn without(&self, left_out: &[Part]) -> Scene {
         let mut scene = self.scene.clone();
         for part in left_out {

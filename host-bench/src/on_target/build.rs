@@ -24,13 +24,11 @@ pub struct Binary<'a> {
 
 impl Binary<'_> {
     /// A binary without variants and features.
-    #[must_use]
     pub const fn new(name: &'static str) -> Self {
         Self { name, variant: None, feature: None, scene: None }
     }
 
     /// The Cargo profile that it is built in.
-    #[must_use]
     fn profile(&self) -> &'static str {
         match self.name {
             "node" | "node_bare" | "node_stack" => "node",
@@ -165,7 +163,6 @@ impl Toolchain {
     }
 
     /// `cargo COMMAND`, set up to compile for `target`.
-    #[must_use]
     pub fn cargo(&self, command: &str, target: &str) -> Command {
         let mut cargo = match self {
             Self::Usual => Command::new("cargo"),

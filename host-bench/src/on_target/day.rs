@@ -6,7 +6,6 @@
 
 use std::fmt::Write;
 use std::ops::RangeInclusive;
-use std::path::Path;
 
 use firmware_example::node::plant::Minute;
 use model_core::clock::Instant;
@@ -48,7 +47,6 @@ const FREQUENCIES: RangeInclusive<u16> = 20_200..=20_500;
 const STILL: usize = 2;
 
 /// What shakes the harvester, minute by minute.
-#[must_use]
 pub fn vibration() -> Vec<Lines> {
     let mut random = Source::of_seed(7);
     HOURS.iter().flat_map(|&part| hour((AMPLITUDE * part / 100) as u16, &mut random)).collect()
@@ -105,8 +103,7 @@ fn fail(error: impl ToString) -> Error {
 
 /// The true harvester at an hour of the day.
 fn harvester(hour: f64) -> Result<impl Harvester<f64, Start = Start<f64>, State: Clone>, Error> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/node.toml");
-    let scene = scene_file::read(&file, &[]).map_err(fail)?;
+    let scene = scene_file::read_shipped("node", &[]).map_err(fail)?;
     let model = scene.contact_separation().map_err(fail)?;
     let mut parameters = contact_separation_parameters::<f64, Polynomial>(model, scene.load);
     let warmth = -(std::f64::consts::TAU * (hour - COLDEST) / 24.0).cos();
@@ -149,7 +146,6 @@ pub fn day() -> Result<Vec<Minute>, Error> {
 }
 
 /// The day as the build script of the firmware reads it.
-#[must_use]
 pub fn table(day: &[Minute]) -> String {
     let mut text = format!(
         "# A day of the harvester of node.toml, minute by minute, that is not as designed: charge density x {CHARGE},

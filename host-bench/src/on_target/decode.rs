@@ -97,7 +97,6 @@ pub fn same(found: &[String], expected: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Sorts records into sections.
 fn sections(records: &[String]) -> Result<Vec<Section>, Error> {
     let mut done = Vec::new();
     let mut open: Option<Section> = None;
@@ -163,7 +162,6 @@ pub fn messages(firmware: &Path, log: &[u8]) -> Result<Vec<String>, Error> {
     }
 }
 
-/// Builds the program beside the firmware.
 fn build() -> Result<PathBuf, String> {
     let target = cargo(&["build", "--quiet", "--package", "harvester-log"], "on-target")?;
     Ok(target.join("debug").join("harvester-log").with_extension(env::consts::EXE_EXTENSION))

@@ -74,7 +74,6 @@ pub struct Size {
 
 impl Size {
     /// Adds up the sections of `image` that are on the target; logs and debug information are not.
-    #[must_use]
     pub fn of(image: &Image<'_>) -> Self {
         let mut size = Self::default();
         for section in image.elf_section_table().iter() {
@@ -100,7 +99,6 @@ impl Size {
 ///
 /// That a panic function is absent says that nothing in the firmware can call it: the panic handler
 /// does no formatting, which would bring some of its own.
-#[must_use]
 pub fn refused(image: &Image<'_>) -> Vec<String> {
     let mut names: Vec<String> = image
         .symbols()

@@ -100,8 +100,7 @@ fn compare_one(core: Core, measured: &Workload, native: &mut dyn Native) -> Resu
 ///
 /// If the shipped scene cannot be read.
 pub fn scene(name: &str, plan: &Plan, settle_s: f64) -> Result<Scene, Error> {
-    let file = scene_file::shipped(name);
-    let mut scene = scene_file::read(&file, &[]).map_err(|error| Error::Host(error.to_string()))?;
+    let mut scene = scene_file::read_shipped(name, &[]).map_err(|error| Error::Host(error.to_string()))?;
     scene.excitation = Excitation::Sine(Tone {
         amplitude_m_per_s2: f64::from(plan.amplitude),
         frequency_hz: f64::from(plan.frequency),
@@ -154,19 +153,16 @@ impl Reference {
     }
 
     /// Relative error of the mean power of a workload with these samples; `None` where no power is delivered.
-    #[must_use]
     pub fn power_error(&self, samples: &[Sample]) -> Option<f64> {
         self.error_of(mean_power(samples, self.settle_us))
     }
 
     /// Relative error of a mean power in W; `None` where no power is delivered.
-    #[must_use]
     pub fn error_of(&self, power: f64) -> Option<f64> {
         self.ratio(power).map(|ratio| (ratio - 1.0).abs())
     }
 
     /// Relative error of the RMS voltage, whose square is the mean power times the load's resistance.
-    #[must_use]
     pub fn voltage_error(&self, samples: &[Sample]) -> Option<f64> {
         self.ratio(mean_power(samples, self.settle_us)).map(|ratio| (ratio.sqrt() - 1.0).abs())
     }

@@ -10,7 +10,6 @@ use super::qemu::Core;
 use super::{Error, Firmware, decode, qemu};
 
 /// The processor of the node on `core`.
-#[must_use]
 pub fn part(core: Core) -> Part {
     match core {
         Core::M0 | Core::M3 => Part::Stm32l051,
@@ -207,7 +206,6 @@ fn count(line: &str, per_tick: f64) -> Option<Counted> {
 }
 
 /// Calls of a kind in a day without losses of power.
-#[must_use]
 pub fn calls(native: &Native, work: firmware_example::node::Work) -> Count {
     native.world.counts().get(work as usize).copied().unwrap_or_default()
 }

@@ -149,7 +149,6 @@ pub struct Hardware {
 
 impl Hardware {
     /// With a nanosecond of virtual time for each instruction.
-    #[must_use]
     pub fn instructions_per_tick(&self) -> f64 {
         1e9 / f64::from(self.tick_hz)
     }
@@ -160,7 +159,6 @@ impl Core {
     ///
     /// The addresses stand in the firmware's build script as well. Here they are what is checked:
     /// a link with another board's memory map would run on some of them all the same.
-    #[must_use]
     pub const fn hardware(self) -> Hardware {
         match self {
             Self::M0 => Hardware {

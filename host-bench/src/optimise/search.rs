@@ -130,7 +130,6 @@ fn followed(
     (start, ran)
 }
 
-/// What was searched, and what was not.
 fn searched(request: &Request<'_>, between: usize) -> String {
     let steps = request.ranges.iter().map(|range| {
         let step = match range.is_logarithmic {

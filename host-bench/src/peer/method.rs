@@ -2,13 +2,11 @@
 
 use super::system::{BaseAcceleration, State, System};
 
-/// A method with a fixed step.
 pub(super) trait Stepper {
     /// Moves the state on by `step` seconds from `time`.
     fn step(&mut self, state: &mut State, base: &mut BaseAcceleration<'_>, time: f64, step: f64);
 }
 
-/// The classical explicit method of order 4.
 #[derive(Debug)]
 pub(super) struct RungeKutta4<'a> {
     system: &'a System,

@@ -50,7 +50,6 @@ impl State {
     }
 }
 
-/// The harvester's coefficients.
 #[derive(Debug)]
 pub(super) struct System {
     pub(super) modes: Vec<Mode>,

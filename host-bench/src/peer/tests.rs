@@ -1,18 +1,13 @@
 //! Each method against the reference, and where it must fail.
 
-use std::path::Path;
-
 use crate::method::{Failure, Method, Options};
 use crate::outcome::{BumpStopOutcome, Outcome, Particular};
 use crate::run::run_scene;
-use crate::scene_file::{self, Override, Scene};
+use crate::scene_file::{Scene, read_shipped};
 
 fn shipped(overrides: &[(&str, &str)]) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/bump-stop.toml");
     let first = [("parameters.beam_modes", "6"), ("stop.rod_modes", "2"), ("run.settle_s", "0")];
-    let overrides: Vec<Override> =
-        first.iter().chain(overrides).map(|(key, value)| Override::new(key, value)).collect();
-    scene_file::read(&file, &overrides).expect("the shipped scene is valid")
+    read_shipped("bump-stop", &[&first[..], overrides].concat()).expect("the shipped scene is valid")
 }
 
 fn options(method: Method, step: f64) -> Options {
@@ -115,7 +110,6 @@ fn what_the_methods_do_not_have_is_refused() {
         let rigid = shipped(&[("stop.contact", "displacement-constraint")]);
         refused(&rigid, plain, "stop.contact");
     }
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/contact-separation.toml");
-    let another = scene_file::read(&file, &[]).expect("valid");
+    let another = read_shipped("contact-separation", &[]).expect("valid");
     refused(&another, Options { method: Method::Newmark, ..Options::default() }, "--method newmark");
 }

@@ -4,7 +4,6 @@ use plotters::style::RGBColor;
 
 use super::svg::{extremes, linear_ticks, logarithmic_label, logarithmic_ticks, range, shade, tick};
 
-/// An axis: its title and its span.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Axis {
     /// The quantity with its unit.
@@ -53,7 +52,6 @@ impl Axis {
         self.span.map(|value| self.place(value))
     }
 
-    /// Places of the ticks.
     pub(super) fn places(&self) -> Vec<f64> {
         let [first, last] = self.ends();
         if self.is_logarithmic {
@@ -123,7 +121,6 @@ impl Mark {
     }
 }
 
-/// Points with a colour and a mark.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Curve {
     /// Name in the legend; empty for a curve that the legend does not have.
@@ -221,7 +218,6 @@ pub(crate) enum Readout {
 /// Colours from the least to the largest value.
 pub(super) const SHADES: usize = 64;
 
-/// One of the colours.
 pub(super) fn colour(shade_index: usize) -> RGBColor {
     shade(shade_index as f64, 0.0, (SHADES - 1) as f64)
 }
@@ -249,7 +245,6 @@ pub(crate) struct Chart {
     pub(crate) field: Option<Field>,
     /// Whether curves are drawn in the order of their points, such as orbits; else over rising abscissae.
     pub(crate) is_orbit: bool,
-    /// What is said of it.
     pub(crate) note: String,
     /// In pixels.
     pub(crate) height: u32,

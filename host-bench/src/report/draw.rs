@@ -222,7 +222,6 @@ fn entries(curves: &[Curve], width: i32) -> Vec<Entry<'_>> {
     entries
 }
 
-/// Draws the names of the curves.
 fn legend(area: &Area<'_>, entries: &[Entry<'_>], paths: &mut String) -> Drawn {
     let (columns, rows) = area.get_pixel_range();
     for &Entry { curve, row, left } in entries {
@@ -316,7 +315,6 @@ mod tests {
         draw(560, "", &[chart], None).expect("a picture")
     }
 
-    /// Texts of a picture with their places.
     fn texts(svg: &str) -> Vec<(f64, f64, String)> {
         let attribute = |element: &str, name: &str| {
             let from = element.find(&format!("{name}=\""))? + name.len() + 2;

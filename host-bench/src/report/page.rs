@@ -53,7 +53,6 @@ impl Page {
         Self { title: title.to_owned(), body, charts: Vec::new() }
     }
 
-    /// Adds HTML.
     pub(crate) fn add(&mut self, html: &str) {
         self.body += html;
     }
@@ -147,7 +146,6 @@ impl Page {
     }
 }
 
-/// The curve as the script wants it.
 fn curve(curve: &Curve, chart: &Chart) -> Value {
     let [line, dot] = curve.mark.parts();
     let mut value = json!({
@@ -206,7 +204,6 @@ fn abscissae(points: &[(f64, f64)]) -> Vec<(usize, f64)> {
     all
 }
 
-/// A readout, as the script wants it.
 fn readout(readout: &Readout) -> Value {
     let numbers = |values: &[f64]| values.iter().map(|value| short(*value)).collect::<Vec<Value>>();
     match readout {
@@ -222,7 +219,6 @@ fn readout(readout: &Readout) -> Value {
     }
 }
 
-/// The cells as the script wants them.
 fn cells(field: &Field, numbers: Option<&[f64]>) -> Value {
     let [x, y] = &field.edges;
     json!({
@@ -235,7 +231,6 @@ fn cells(field: &Field, numbers: Option<&[f64]>) -> Value {
     })
 }
 
-/// The scale of the colours as HTML.
 fn scale(field: &Field) -> String {
     let [least, most] = field.scale.span.map(tick);
     let stops: Vec<String> = (0..SHADES).step_by(7).map(|index| hex(colour(index))).collect();

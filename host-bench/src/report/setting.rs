@@ -159,7 +159,7 @@ fn written(unit: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene_file::{self, Override};
+    use crate::scene_file;
 
     #[test]
     fn a_unit_has_the_prefix_of_its_magnitude() {
@@ -196,16 +196,14 @@ mod tests {
 
     #[test]
     fn a_title_names_the_parameters_that_are_not_on_an_axis() {
-        let read = |name: &str, sets: &[Override]| {
-            scene_file::read(&scene_file::shipped(name), sets).expect("valid")
-        };
+        let read = |name: &str, sets: &[(&str, &str)]| scene_file::read_shipped(name, sets).expect("valid");
         let scene = read("contact-separation-passive", &[]);
         assert_eq!(setting(&scene, &[]), "50 µC/m², 100 MΩ, 1.962 m/s², 20.5 Hz");
         assert_eq!(setting(&scene, &["excitation.frequency_hz"]), "50 µC/m², 100 MΩ, 1.962 m/s²");
         assert_eq!(setting(&scene, &["excitation.amplitude_g", "load.resistance_ohm"]), "50 µC/m², 20.5 Hz");
         assert_eq!(setting(&read("bump-stop", &[]), &[]), "gap 10 µm, 1 MΩ, 20 m/s², 220 Hz");
         assert_eq!(
-            setting(&read("bump-stop-none", &[Override::new("load.resistance_ohm", "inf")]), &[]),
+            setting(&read("bump-stop-none", &[("load.resistance_ohm", "inf")]), &[]),
             "no stop, open circuit, 20 m/s², 220 Hz"
         );
     }

@@ -116,7 +116,6 @@ fn add_entry(legend: &mut String, entry: &str) {
     *legend += entry;
 }
 
-/// The field of a chart as blocks.
 fn shade(chart: &Chart, canvas: &mut Canvas, rows: usize) {
     let Some(field) = &chart.field else { return };
     let inside =

@@ -27,7 +27,6 @@ pub(super) enum Rule {
     Fixed(u32),
 }
 
-/// A baseline with its state.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Baseline {
     parameters: VoltageParameters<1>,
@@ -82,7 +81,6 @@ impl Baseline {
         self.reservoir.energy_j(voltage)
     }
 
-    /// What the actions leave.
     fn least(&self) -> f64 {
         self.at(self.parameters.storage.lock_out_voltage.into()) + f64::from(self.parameters.reserve)
     }
@@ -108,7 +106,6 @@ impl Baseline {
         [income.max(0.0) / efficiency, variance / (efficiency * efficiency)]
     }
 
-    /// Reports the hour.
     fn close(&mut self, [energy, variance]: [f64; 2]) {
         let seconds = self.second - self.began;
         let bound = (2.5 * variance.sqrt()) as f32;
@@ -142,7 +139,6 @@ impl Baseline {
         (self.first, self.spent) = (self.energy, 0.0);
     }
 
-    /// Takes in a reading.
     fn take(&mut self, code: u32) {
         let converter = self.parameters.converter;
         let cell = f64::from(converter.full_scale) / f64::from(1_u32 << converter.bits);

@@ -60,7 +60,6 @@ impl Storage {
         Self { name, of_capacitance, income, ..Self::capacitor(100e-6) }
     }
 
-    /// As stated.
     fn reservoir(&self) -> Reservoir {
         let Self { name, capacitance, leakage, .. } = *self;
         Reservoir { capacitance_f: capacitance, leakage_ohm: leakage, battery: Battery::named(name) }
@@ -193,7 +192,6 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// A node on a timeline.
     pub(super) fn settings(&self, line: &Timeline) -> Settings {
         let Storage { name, capacitance, leakage, of_capacitance, income } = self.storage;
         let base = Settings::new(line.kind, self.processor, capacitance, self.spread).with_income(income);

@@ -164,7 +164,6 @@ impl<'a> World<'a> {
         self.reservoir.charging_efficiency() * self.income_of(second)
     }
 
-    /// True income of a second.
     fn income_of(&self, second: u32) -> f64 {
         self.minutes.get(second as usize / 60).map_or(0.0, |minute| minute / 60.0)
     }

@@ -94,7 +94,6 @@ impl Settings {
     }
 
     /// With another income, and a standing power and actions in proportion.
-    #[must_use]
     pub(super) fn with_income(self, income: f64) -> Self {
         let factor = income / self.income;
         Self { income, standing: factor * self.standing, action: factor * self.action, ..self }
@@ -113,7 +112,6 @@ impl Settings {
     }
 
     /// On a battery beside the capacitor, a third of which is the reserve.
-    #[must_use]
     pub(super) fn with_battery(self, battery: Battery) -> Self {
         let lockout = battery.lockout.expect("a test reads the file");
         let voltages = [lockout.turn_off_v, lockout.turn_on_v, battery.highest_v];
@@ -199,7 +197,6 @@ impl Settings {
         by_voltage(node.unwrap_or_else(|error| panic!("{error}")))
     }
 
-    /// The stated values of a battery.
     fn stated(&self, battery: Battery) -> model_core::energy::Battery {
         let tolerance = self.of_capacitance as f32;
         model_core::energy::Battery { tolerance, ..battery.scaled(1.0 / self.scale).of_core() }

@@ -149,7 +149,6 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// A time passes, up to a lock-out.
     fn pass(&mut self, until: u64) {
         let was_off = self.is_off;
         while self.second < until && self.is_off == was_off {
@@ -164,7 +163,6 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// Waits for the turn-on voltage.
     fn turn_on(&mut self) {
         while self.energy < self.levels[1] && self.second < 2 * self.end {
             self.pass(self.second + 60);

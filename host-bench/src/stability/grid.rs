@@ -40,7 +40,6 @@ pub enum Kind {
 
 impl Kind {
     /// The name of its shipped scene, without ending.
-    #[must_use]
     pub fn scene(self) -> &'static str {
         match self {
             Self::ContactSeparation => "contact-separation",
@@ -51,7 +50,6 @@ impl Kind {
 }
 
 /// The cases of a scene, each in both precisions, one after the other.
-#[must_use]
 pub fn grid(kind: Kind, extent: Extent) -> Vec<Case> {
     let settings = match kind {
         Kind::ContactSeparation => contact_separation::settings(extent),

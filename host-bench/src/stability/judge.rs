@@ -63,7 +63,6 @@ impl Class {
     }
 
     /// Whether nothing explains it.
-    #[must_use]
     pub fn is_failure(self) -> bool {
         matches!(self, Self::Wrong | Self::Broken)
     }
@@ -121,7 +120,6 @@ impl Finding {
 }
 
 /// Runs a case with its accuracy statement, and judges it.
-#[must_use]
 pub fn judge(case: &Case, effort: Effort) -> Finding {
     Judge::new(case, effort).finding(case.precision)
 }
@@ -146,7 +144,6 @@ pub struct Judge {
 
 impl Judge {
     /// Of a case; its precision does not matter.
-    #[must_use]
     pub fn new(case: &Case, effort: Effort) -> Self {
         let options = Options { most_attempts: Some(effort.most_attempts), ..case.options() };
         Self {
@@ -162,7 +159,6 @@ impl Judge {
     }
 
     /// Runs the case in a precision with its accuracy statement, and judges it.
-    #[must_use]
     pub fn finding(&self, precision: Precision) -> Finding {
         match &self.scene {
             Ok(scene) => catch_unwind(AssertUnwindSafe(|| self.finding_of(scene, precision)))

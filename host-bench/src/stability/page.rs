@@ -14,7 +14,6 @@ use crate::report::svg::{power_of_ten, tick};
 /// The file beside the page that has a row for each case.
 pub(crate) const CASES: &str = "cases.csv";
 
-/// A quantity of a case.
 #[derive(Debug, Clone, Copy)]
 struct Axis {
     /// The quantity with its unit.
@@ -177,7 +176,6 @@ impl Map {
     }
 }
 
-/// The different values, rising.
 fn values(all: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = all.collect();
     values.sort_by(f64::total_cmp);

@@ -35,7 +35,6 @@ const BUMP_STOP_SCENES: [&str; 4] = ["bump-stop", "bump-stop-tip", "bump-stop-mi
 const SPREADS: [f64; 5] = [0.0, 0.0, 0.2, 0.5, 1.5];
 
 /// The case of a number under a seed.
-#[must_use]
 pub fn draw(seed: u64, number: u64) -> Case {
     let mut source = Source::new(seed, number);
     let kind = source.uniform(0.0, 1.0);
@@ -47,7 +46,6 @@ pub fn draw(seed: u64, number: u64) -> Case {
     }
 }
 
-/// A case while it is drawn.
 struct Drawing {
     source: Source,
     changes: Vec<(String, String)>,

@@ -151,7 +151,6 @@ const CAUSES: [(&str, &str); 4] = [
 ];
 
 /// The cause of a named error of a run, in words.
-#[must_use]
 pub fn cause(reason: &str) -> String {
     let known = CAUSES.iter().find(|(beginning, _)| reason.starts_with(beginning));
     // Of an error without a cause here, the words before its first number.

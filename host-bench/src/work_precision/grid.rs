@@ -312,7 +312,6 @@ const WORDS: usize = 4;
 const OVER: Digits = Digits::By(|value| ratio(Some(value)));
 
 impl Row {
-    /// The cheapest choice.
     fn best(&self) -> String {
         match (self.best_method, &self.best_setting) {
             (Some(method), Some(setting)) => format!("{method} {setting}"),
@@ -359,7 +358,6 @@ pub(crate) fn text(grid: &Grid) -> String {
     )
 }
 
-/// The rows as CSV.
 pub(crate) fn csv(grid: &Grid) -> String {
     Rows::of(&grid.rows).csv()
 }

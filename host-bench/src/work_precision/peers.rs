@@ -62,7 +62,6 @@ impl Row {
         if by_count { self.instructions_per_simulated_second } else { self.seconds_per_simulated_second }
     }
 
-    /// The setting, as the table writes it.
     fn setting(&self) -> String {
         match (self.tolerance, self.steps_per_period) {
             (Some(tolerance), _) => format!("{tolerance:.0e}"),
@@ -82,7 +81,6 @@ pub(crate) struct Comparison {
     mean_power_w: f64,
     /// Rows by method, each from loose to tight.
     pub(crate) methods: Vec<Vec<Row>>,
-    /// Whether instructions are counted.
     pub(crate) by_count: bool,
 }
 
@@ -125,7 +123,6 @@ pub(crate) fn cases(names: &[String]) -> Result<Vec<Case>, Failure> {
     names.iter().map(case).collect()
 }
 
-/// The scene of a case.
 fn scene(case: &Case) -> Result<Scene, Failure> {
     case.scene().map_err(|error| Failure::Input(error.to_string()))
 }
@@ -214,7 +211,6 @@ fn timed(scene: &Scene, method: Method, setting: f64) -> Result<(PeerRun, Option
     Ok((PeerRun { seconds_per_simulated_second, ..found }, spread))
 }
 
-/// Whether a row of a method is counted.
 fn is_counted(row: &Row, rows: &[Row], duration_s: f64) -> bool {
     let is_short = row.seconds_per_simulated_second.is_some_and(|s| s * duration_s <= LONGEST_COUNTED);
     let targets = COUNTED.iter().filter(|target| is_short || TARGETS.contains(target));

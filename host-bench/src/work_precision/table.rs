@@ -82,7 +82,6 @@ impl Cell {
         Self::Words(word.to_string(), word.to_string())
     }
 
-    /// As people read it.
     fn shown(&self) -> String {
         match self {
             Self::Words(shown, _) => shown.clone(),
@@ -92,7 +91,6 @@ impl Cell {
         }
     }
 
-    /// As programs read it.
     pub(super) fn csv(&self) -> String {
         match self {
             Self::Words(_, csv) => csv.clone(),
@@ -185,7 +183,6 @@ impl Comparison {
         format!("{}\n\n{table}\n{}\n", self.title(), self.notes().join("\n"))
     }
 
-    /// One line of CSV for each row.
     fn csv_rows(&self) -> String {
         let columns = || self.kind.columns.iter().filter(|column| !column.key.is_empty());
         let line = |row| csv_line(columns().map(|column| column.cell(self, row).csv()));
@@ -193,7 +190,6 @@ impl Comparison {
     }
 }
 
-/// All tables as text.
 pub(crate) fn text(comparisons: &[Comparison]) -> String {
     comparisons.iter().map(Comparison::text).collect::<Vec<_>>().join("\n")
 }
@@ -219,7 +215,6 @@ pub(crate) fn resistance(value: f64) -> String {
 }
 
 impl Omitted {
-    /// Which rows are left out, and why.
     fn note(&self) -> String {
         let (precision, math) = (name(&self.precision), name(&self.math));
         format!(
@@ -293,7 +288,6 @@ pub(crate) struct Variant {
 }
 
 impl Variant {
-    /// The integrator of the reference.
     pub(super) fn reference(control: Control) -> Self {
         Self { method: Method::Reference, precision: Precision::F64, math: None, control }
     }

@@ -1,19 +1,12 @@
 //! Short tables of the shipped scenes.
 
-use std::path::Path;
-
 use super::triboelectric::{self, MEAN_POWER};
 use super::*;
-use crate::scene_file::{self, Override};
+use crate::scene_file::read_shipped;
 
 fn shipped(resistance_ohm: &str) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/contact-separation.toml");
-    let overrides = [
-        Override::new("load.resistance_ohm", resistance_ohm),
-        Override::new("run.duration_s", "1"),
-        Override::new("run.settle_s", "0.5"),
-    ];
-    scene_file::read(&file, &overrides).expect("the shipped scene is valid")
+    let changes = [("load.resistance_ohm", resistance_ohm), ("run", "{duration_s=1.0,settle_s=0.5}")];
+    read_shipped("contact-separation", &changes).expect("the shipped scene is valid")
 }
 
 #[test]
@@ -80,9 +73,8 @@ fn a_time_is_the_least_with_its_spread() {
 
 #[test]
 fn a_slider_is_compared_by_its_amplitude() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/sliding.toml");
-    let overrides = [Override::new("run.duration_s", "0.6"), Override::new("run.settle_s", "0.3")];
-    let scene = scene_file::read(&file, &overrides).expect("the shipped scene is valid");
+    let changes = [("run", "{duration_s=0.6,settle_s=0.3}")];
+    let scene = read_shipped("sliding", &changes).expect("the shipped scene is valid");
     let comparison =
         compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, backends: 5, whole: false }, || ())
             .expect("the reference runs");

@@ -1,31 +1,27 @@
 //! `run --accuracy` is held by the statement of its own result.
 
-use super::tool::{PASSIVE, SHIPPED, accepted, host_bench, refused};
+use serde_json::Value;
 
-const BUMP_STOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
-
-const SLIDING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
-const RECTIFIED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/rectified.toml");
+use super::tool::{
+    BUMP_STOP, PASSIVE, RECTIFIED, SHIPPED, SLIDING, accepted, json, json_and_told, number, printed, refused,
+};
 
 /// The result of a run, and what was told on standard error.
-fn found(scene: &str, more: &[&str]) -> (serde_json::Value, String) {
-    let output = host_bench(&[&["run", scene, "--format", "json"], more].concat());
-    let told = String::from_utf8(output.stderr).expect("text");
-    assert_eq!(output.status.code(), Some(0), "{told}");
-    (serde_json::from_slice(&output.stdout).expect("an object"), told)
+fn found(scene: &str, more: &[&str]) -> (Value, String) {
+    json_and_told(&[&["run", scene], more].concat())
 }
 
 /// The stated error, and what was told on standard error.
 fn stated(scene: &str, accuracy: &str, more: &[&str]) -> (f64, String) {
     let (outcome, told) = found(scene, &[&["--accuracy", accuracy], more].concat());
-    (outcome["accuracy"]["total"].as_f64().expect("a statement"), told)
+    (number(&outcome["accuracy"], "total"), told)
 }
 
 #[test]
 fn one_random_case_has_the_row_that_it_has_among_all() {
-    let rows = |more: &[&str]| -> Vec<serde_json::Value> {
-        let random = ["stability", "--random", "5", "--seed", "407", "--format", "json"];
-        serde_json::from_str(&accepted(&[&random, more].concat())).expect("rows")
+    let rows = |more: &[&str]| {
+        let random = ["stability", "--random", "5", "--seed", "407"];
+        json(&[&random, more].concat()).as_array().expect("rows").clone()
     };
     let all = rows(&[]);
     for number in [1, 4] {
@@ -40,9 +36,8 @@ fn rows_of_stability_on_standard_output_are_those_of_a_file() {
     let random = ["stability", "--random", "5", "--seed", "407", "--output"];
     let file = std::env::temp_dir().join(format!("stability-rows-{}.csv", std::process::id()));
     accepted(&[&random[..], &[file.to_str().expect("text")]].concat());
-    let output = host_bench(&[&random[..], &["-"]].concat());
-    let told = String::from_utf8(output.stderr).expect("text");
-    assert!(output.status.success() && told.contains("undecided"), "{told}");
+    let [found, told] = printed(&[&random[..], &["-"]].concat());
+    assert!(told.contains("undecided"), "{told}");
     // Each is written when it is judged.
     let sorted = |text: &str| {
         let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
@@ -51,7 +46,6 @@ fn rows_of_stability_on_standard_output_are_those_of_a_file() {
     };
     let written = std::fs::read_to_string(&file).expect("was written");
     std::fs::remove_file(file).expect("is there");
-    let found = String::from_utf8(output.stdout).expect("text");
     assert!(found.starts_with("number,") && sorted(&found) == sorted(&written), "{found}");
 }
 
@@ -70,11 +64,9 @@ fn a_run_is_made_tighter_until_its_statement_is_within_what_was_asked() {
 #[test]
 fn a_tighter_accuracy_never_takes_fewer_steps() {
     for scene in [SHIPPED, PASSIVE, SLIDING] {
-        let mut last = 0;
+        let mut last = 0.0;
         for accuracy in ["1e-2", "2e-3", "1e-3", "1e-4", "3e-5", "1e-5", "1e-6"] {
-            let output = host_bench(&["run", scene, "--accuracy", accuracy, "--format", "json"]);
-            let outcome: serde_json::Value = serde_json::from_slice(&output.stdout).expect("an object");
-            let steps = outcome["steps"].as_u64().expect("a number");
+            let steps = number(&found(scene, &["--accuracy", accuracy]).0, "steps");
             assert!(steps >= last, "{scene} {accuracy}: {steps} after {last}");
             last = steps;
         }
@@ -96,18 +88,14 @@ fn an_accuracy_that_cannot_be_held_is_told() {
 /// The steps that the core cuts where a sine is too fast for them are the same in half the default steps.
 #[test]
 fn a_sine_of_hundreds_of_kilohertz_is_resolved_and_its_error_stated() {
-    let fast = [
-        "--set",
-        "excitation={kind=\"sine\",amplitude_m_per_s2=1000,frequency_hz=3e5}",
-        "--set",
-        "run={duration_s=0.01,settle_s=0.005}",
-    ];
-    let power = |outcome: &serde_json::Value| outcome["mean_power_w"].as_f64().expect("a number");
+    let sine = "excitation={kind=\"sine\",amplitude_m_per_s2=1000,frequency_hz=3e5}";
+    let fast = ["--set", sine, "--set", "run={duration_s=0.01,settle_s=0.005}"];
+    let power = |outcome: &Value| number(outcome, "mean_power_w");
     let (exact, _) = found(BUMP_STOP, &[&fast[..], &["--no-accuracy", "--step", "2e-8"]].concat());
     for (step, most) in [(&[][..], 2e-3), (&["--step", "1e-6"], 0.5)] {
         let (outcome, told) = found(BUMP_STOP, &[&fast[..], step].concat());
         let error = (power(&outcome) / power(&exact) - 1.0).abs();
-        let total = outcome["accuracy"]["total"].as_f64().expect("a statement");
+        let total = number(&outcome["accuracy"], "total");
         assert!(error <= total && total <= most, "{step:?}: {error:e} {total:e} {told}");
     }
 }
@@ -117,9 +105,8 @@ fn a_chaotic_run_prints_the_mean_of_an_ensemble_with_its_error() {
     let chaotic = ["--set", "excitation.frequency_hz=20", "--set", "run={duration_s=3,settle_s=2}"];
     let (outcome, _) = found(PASSIVE, &chaotic);
     let (own, _) = found(PASSIVE, &[&chaotic[..], &["--no-accuracy"]].concat());
-    let number = |name: &str| outcome[name].as_f64().expect("a number");
-    let of = |name: &str| outcome["accuracy"][name].as_f64().expect("a number");
-    let relative = number("mean_power_standard_error_w") / number("mean_power_w");
+    let of = |name: &str| number(&outcome["accuracy"], name);
+    let relative = number(&outcome, "mean_power_standard_error_w") / number(&outcome, "mean_power_w");
     assert!((of("chaos") / relative - 2.4).abs() < 1e-12 && of("total") >= of("chaos"), "{outcome}");
     assert_ne!(outcome["mean_power_w"], own["mean_power_w"]);
     for name in ["peak_gap_m", "delivered_energy_j", "rms_voltage_v"] {
@@ -128,7 +115,7 @@ fn a_chaotic_run_prints_the_mean_of_an_ensemble_with_its_error() {
     // A window of a second: four times as long halves its error.
     assert!(of("window") > 0.0 && (of("window_halved_s") - 6.0).abs() < 1e-9, "{outcome}");
     let (single, _) = found(PASSIVE, &[&chaotic[..], &["--precision", "f32"]].concat());
-    let ratio = single["accuracy"]["total"].as_f64().expect("a number") / of("total");
+    let ratio = number(&single["accuracy"], "total") / of("total");
     assert!((0.25..4.0).contains(&ratio), "{ratio}");
     let (periodic, _) = found(SHIPPED, &["--set", "run={duration_periods=36,settle_periods=20}"]);
     assert!(periodic["mean_power_standard_error_w"].is_null() && periodic["accuracy"]["chaos"].is_null());

@@ -2,23 +2,16 @@
 
 use serde_json::Value;
 
-use super::tool::{PASSIVE, SHIPPED, accepted, folder, host_bench, refused};
+use super::tool::{BEAM, PASSIVE, SHIPPED, accepted, folder, host_bench, json, number, place, refused};
 
-const BEAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
 const BISTABLE: [&str; 2] = ["--set", "excitation.frequency_hz=22.5"];
 
-fn json(arguments: &[&str]) -> Value {
-    serde_json::from_str(&accepted(&[arguments, &["--format", "json"]].concat())).expect("JSON")
-}
-
 fn power(scene: &str, more: &[&str]) -> f64 {
-    json(&[&["run", scene, "--single-start"], &BISTABLE[..], more].concat())["mean_power_w"]
-        .as_f64()
-        .expect("a power")
+    number(&json(&[&["run", scene, "--single-start"], &BISTABLE[..], more].concat()), "mean_power_w")
 }
 
 fn close(branch: &Value, expected: f64) -> bool {
-    (branch["mean_power_w"].as_f64().expect("a power") / expected - 1.0).abs() < 0.01
+    (number(branch, "mean_power_w") / expected - 1.0).abs() < 0.01
 }
 
 /// Both motions are known from runs whose start is given in the scene.
@@ -57,8 +50,7 @@ fn a_linear_scene_has_one_motion_whenever_its_window_begins() {
 
 #[test]
 fn all_starts_are_shared_among_the_motions_that_they_find() {
-    let picture = folder("attractors").join("basin.svg");
-    let picture = picture.to_str().expect("a plain path");
+    let picture = &place(&folder("attractors"), "basin.svg");
     let command = ["attractors", SHIPPED, "--starts", "40", "--picture", picture];
     let all = json(&[&command[..], &BISTABLE].concat());
     let all = all.as_array().expect("rows");

@@ -1,45 +1,48 @@
 //! A day of a node.
 
-use super::tool::{SHIPPED, accepted, folder, host_bench, refused};
+use serde_json::Value;
 
-const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
+use super::tool::{
+    BUMP_STOP, NODE, PASSIVE, SHIPPED, SLIDING, file, folder, json as any_json, number, place, printed,
+    refused, rows,
+};
 
-/// Runs `budget` on the shipped node, its windows short, with a picture in a folder of the test.
-fn budget(name: &str, options: &[&str]) -> (String, String) {
-    let picture = folder(name).join("day.svg");
-    let path = picture.to_str().expect("a plain path");
-    let short = ["--set", "run.duration_s=3", "--set", "run.settle_s=2", "--svg", path];
-    let told = accepted(&[&["budget", NODE], &short[..], options].concat());
-    (told, std::fs::read_to_string(&picture).expect("the picture"))
+const SHORT: [&str; 4] = ["--set", "run.duration_s=3", "--set", "run.settle_s=2"];
+
+/// Runs `budget` with short windows: what it prints, what stands on standard error, and its picture in a folder of the test.
+fn budget(name: &str, file: &str, options: &[&str]) -> [String; 3] {
+    let picture = place(&folder(name), "day.svg");
+    let [day, told] = printed(&[&["budget", file, "--svg", &picture], &SHORT[..], options].concat());
+    [day, told, std::fs::read_to_string(&picture).expect("the picture")]
 }
 
-fn json(name: &str, options: &[&str]) -> serde_json::Value {
-    let (told, _) = budget(name, &[&["--format", "json"], options].concat());
-    serde_json::from_str(&told).expect("one JSON object")
+/// The day of the shipped node.
+fn json(name: &str, options: &[&str]) -> Value {
+    day(name, NODE, options).0
 }
 
-fn number(day: &serde_json::Value, key: &str) -> f64 {
-    day[key].as_f64().unwrap_or(f64::NAN)
+/// The day of a node, what stands on standard error, and the picture.
+fn day(name: &str, file: &str, options: &[&str]) -> (Value, [String; 2]) {
+    let [day, told, picture] = budget(name, file, &[&["--format", "json"], options].concat());
+    (serde_json::from_str(&day).expect("one JSON object"), [told, picture])
+}
+
+/// The sum over the actions of a day.
+fn over_actions(day: &Value, of: impl Fn(&Value) -> f64) -> f64 {
+    day["actions"].as_array().expect("actions").iter().map(of).sum()
 }
 
 /// Keys of version 0.1 are read as the new ones, with a line for each.
 #[test]
 fn an_old_key_works_with_a_warning() {
-    let picture = folder("budget-old").join("day.svg");
-    let path = picture.to_str().expect("a plain path");
-    let short = ["--format", "json", "--set", "run.duration_s=3", "--set", "run.settle_s=2", "--svg", path];
-    let day = |file: &str, more: &[&str]| {
-        let output = host_bench(&[&["budget", file], &short[..], more].concat());
-        assert_eq!(output.status.code(), Some(0), "{output:?}");
-        let day: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
-        (day["estimation"].clone(), String::from_utf8(output.stderr).expect("text"))
-    };
-    let old = folder("budget-old").join("node.toml");
     let text = std::fs::read_to_string(NODE).expect("the scene").replace("[node.burst]", "[node.listen]");
-    std::fs::write(&old, text).expect("written");
-    let file = old.to_str().expect("a plain path");
-    let (found, warnings) = day(file, &["--set", "node.listen.every_s=400"]);
-    let (expected, none) = day(NODE, &["--set", "node.burst.every_s=400"]);
+    let old = file(&folder("budget-old-file"), "node.toml", text);
+    let day = |file: &str, set: &str| {
+        let (day, [told, _]) = day("budget-old", file, &["--set", set]);
+        (day["estimation"].clone(), told)
+    };
+    let (found, warnings) = day(&old, "node.listen.every_s=400");
+    let (expected, none) = day(NODE, "node.burst.every_s=400");
     assert!(found == expected && found[0]["name"] == "burst", "{found} {expected}");
     assert!(
         warnings.contains("node.listen is now named node.burst") && !none.contains("now named"),
@@ -49,16 +52,15 @@ fn an_old_key_works_with_a_warning() {
 
 #[test]
 fn a_day_adds_up_and_is_drawn() {
-    let (told, picture) = budget("budget-day", &["--format", "json"]);
-    let day: serde_json::Value = serde_json::from_str(&told).expect("one JSON object");
+    let (day, [_, picture]) = day("budget-day", NODE, &[]);
     let of = |key: &str| number(&day, key);
-    assert!(of("store_residual") < 1e-12, "{told}");
-    assert!(of("budget_ledger_residual") < 1e-5, "{told}");
+    assert!(of("store_residual") < 1e-12, "{day}");
+    assert!(of("budget_ledger_residual") < 1e-5, "{day}");
     assert!((of("income_j") / of("harvested_energy_j") - 0.8).abs() < 1e-9);
     // The actions are what their runs cost, through the converter, which is none here.
     let actions = day["actions"].as_array().expect("a list");
-    let spent: f64 = actions.iter().map(|action| number(action, "spent_j")).sum();
-    assert!((of("actions_j") / spent - 1.0).abs() < 1e-9, "{told}");
+    let spent = over_actions(&day, |action| number(action, "spent_j"));
+    assert!((of("actions_j") / spent - 1.0).abs() < 1e-9, "{day}");
     // A wake-up of 5 µs at 32 MHz and 264 pJ; 16 readings of 0.15 µJ; a packet of 24 bytes at 25.5 mA and 3.3 V.
     let wake_up = 264e-12 * 32e6 * 5e-6;
     let on_air = 1e-3 + (20.25 + (44.0 + 24.0 * 8.0) * 5.0 / 28.0) * 1.024e-3;
@@ -67,13 +69,13 @@ fn a_day_adds_up_and_is_drawn() {
         assert!((number(action, "spent_j") - number(action, "runs") * joules).abs() < 1e-9);
         assert!(number(action, "runs") <= number(action, "wished_runs") + 1.0);
         // The plan does at least what the budget holds for sustainable at an even rate in the morning.
-        assert!(number(action, "runs") > 0.95 * number(action, "sustainable_runs"), "{told}");
+        assert!(number(action, "runs") > 0.95 * number(action, "sustainable_runs"), "{day}");
         let period = 86_400.0 / number(action, "sustainable_runs");
-        assert!((number(action, "sustainable_period_s") / period - 1.0).abs() < 1e-9, "{told}");
+        assert!((number(action, "sustainable_period_s") / period - 1.0).abs() < 1e-9, "{day}");
     }
     // The budget knows its store, and the node is never switched off.
-    assert!(of("budget_error") < 1e-3 && of("lockout_s") == 0.0, "{told}");
-    assert!(of("lowest_voltage_v") >= 2.44, "{told}");
+    assert!(of("budget_error") < 1e-3 && of("lockout_s") == 0.0, "{day}");
+    assert!(of("lowest_voltage_v") >= 2.44, "{day}");
     let labels = ["stored energy [mJ]", "harvested power [µW]", "runs per hour", "measure", "transmit"];
     for label in labels.into_iter().chain(["Estimating the income", "mean power [nW]", "voltage_reading"]) {
         assert!(picture.contains(label), "{label} is in the picture");
@@ -139,17 +141,11 @@ fn a_node_without_named_parts_states_all_itself() {
     let plain = plain
         .replace("adc_readings = 16", "")
         .replace("packet_bytes = 24", "energy_j = 6.6e-3\nduration_s = 0.05");
-    let folder = folder("budget-plain");
-    let file = folder.join("plain.toml");
-    std::fs::write(&file, &plain).expect("a file");
-    let picture = folder.join("day.svg");
-    let [scene, svg] = [&file, &picture].map(|path| path.to_str().expect("a plain path"));
-    let short = ["--set", "run.duration_s=3", "--set", "run.settle_s=2", "--svg", svg, "--format", "json"];
-    let day: serde_json::Value =
-        serde_json::from_str(&accepted(&[&["budget", scene], &short[..]].concat())).expect("one JSON object");
+    let scene = &file(&folder("budget-plain-file"), "plain.toml", plain);
+    let (day, [_, picture]) = day("budget-plain", scene, &[]);
     assert_eq!((number(&day, "standing_power_w"), number(&day, "estimation_j")), (1.5e-6, 0.0));
     assert!(day["asleep_power_w"].is_null() && day["figures"] == serde_json::json!([]), "{day}");
-    assert!(!std::fs::read_to_string(&picture).expect("the picture").contains("Knowing"));
+    assert!(!picture.contains("Estimating"));
     let with = |change: &str, parts: &[&str]| refused(&["budget", scene, "--set", change], parts);
     with("node.actions.1.packet_bytes=20", &["node.actions[1].packet_bytes = 20", "needs node.parts"]);
     with("node.burst={every_s=60}", &["node.burst", "needs node.parts"]);
@@ -190,20 +186,14 @@ fn parts_that_are_not_there_are_refused_with_their_list() {
 
 #[test]
 fn the_same_day_has_the_same_bits_and_other_formats_the_same_numbers() {
-    let (one, picture) = budget("budget-once", &["--format", "csv"]);
-    let (two, again) = budget("budget-again", &["--format", "csv"]);
-    assert_eq!((&one, &picture), (&two, &again));
+    let [one, two] = ["budget-once", "budget-again"].map(|name| budget(name, NODE, &["--format", "csv"]));
+    assert_eq!(one, two);
     let day = json("budget-json", &[]);
-    let mut reader = csv::Reader::from_reader(one.as_bytes());
-    let heading = reader.headers().expect("a heading").clone();
-    let row = reader.records().next().expect("a row").expect("a row");
-    let cell = |name: &str| {
-        let column = heading.iter().position(|head| head == name).expect("a column");
-        row[column].parse::<f64>().expect("a number")
-    };
+    let row = &rows(&one[0])[0];
+    let cell = |name: &str| row[name].parse::<f64>().expect("a number");
     assert_eq!(cell("shunted_j"), number(&day, "shunted_j"));
     assert_eq!(cell("transmit_runs"), number(&day["actions"][1], "runs"));
-    let (table, _) = budget("budget-table", &[]);
+    let [table, ..] = budget("budget-table", NODE, &[]);
     assert!(table.lines().any(|line| line.starts_with("measure_sustainable_runs ")));
 }
 
@@ -238,9 +228,7 @@ fn a_bridge_feeds_the_store_of_its_part() {
     let of = |key: &str| number(&day, key);
     assert!(of("store_residual") < 1e-12 && of("harvested_energy_j") > 0.1, "{day}");
     assert!((of("income_j") / of("harvested_energy_j") - 1.0).abs() < 1e-12);
-    let spent: f64 = day["actions"]
-        .as_array()
-        .map_or(f64::NAN, |actions| actions.iter().map(|action| number(action, "spent_j")).sum());
+    let spent = over_actions(&day, |action| number(action, "spent_j"));
     assert!(spent > 0.0 && (of("actions_j") * 0.85 / spent - 1.0).abs() < 1e-9, "{day}");
     // What comes in depends on the voltage of the store: the slots of the day tell less of it, but the state of
     // charge is known.
@@ -305,9 +293,7 @@ fn two_storages_at_once_are_refused() {
 
 #[test]
 fn what_a_node_must_not_be_is_refused() {
-    let with = |change: &'static str, parts: &[&str]| {
-        refused(&["budget", NODE, "--set", change], parts);
-    };
+    let with = |change: &str, parts: &[&str]| refused(&["budget", NODE, "--set", change], parts);
     refused(&["budget", SHIPPED], &[SHIPPED, "node: is missing"]);
     with("node.slots_per_day=47", &["node.slots_per_day = 47", "24, 48, 96 or 144"]);
     with("node.decision_s=90", &["node.decision_s = 90", "must be a multiple of update_s = 60"]);
@@ -333,8 +319,7 @@ fn what_a_node_must_not_be_is_refused() {
         &["budget", NODE, "--exact", "--set", "run.duration_s=20"],
         &["--set run.duration_s", "--exact runs the whole day"],
     );
-    let bump_stop = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
-    refused(&["budget", bump_stop, "--exact"], &["node: is missing"]);
+    refused(&["budget", BUMP_STOP, "--exact"], &["node: is missing"]);
 }
 
 #[test]
@@ -344,7 +329,7 @@ fn a_verdict_says_whether_all_wishes_are_met_and_by_which_storage() {
         json("budget-verdict", &["--set", &set])
     };
     let (small, large) = (day("0.02"), day("3"));
-    let verdict = |day: &serde_json::Value| day["verdict"].as_str().expect("a sentence").to_owned();
+    let verdict = |day: &Value| day["verdict"].as_str().expect("a sentence").to_owned();
     let smallest = number(&small, "capacitance_for_wishes_f");
     assert!(
         verdict(&small).starts_with("wishes not met: ") && !verdict(&small).contains(" 0 lock-outs"),
@@ -363,9 +348,9 @@ fn a_verdict_says_whether_all_wishes_are_met_and_by_which_storage() {
 fn a_sweep_and_an_optimum_have_the_day_of_the_node() {
     let key = "node.storage.capacitance_f";
     let over = format!("{key}=0.02:0.5:3");
-    let short = ["--set", "run={duration_s=3,settle_s=2}", "--node", "--format", "json"];
+    let short = ["--set", "run={duration_s=3,settle_s=2}", "--node"];
     let sweep = [&["sweep", NODE, "--over", &over, "--no-accuracy"], &short[..]].concat();
-    let points: serde_json::Value = serde_json::from_str(&accepted(&sweep)).expect("a list");
+    let points = any_json(&sweep);
     let day = json("budget-swept", &["--set", &format!("{key}=0.02")]);
     for (of_sweep, of_day) in [
         ("node_lockouts", "lockouts"),
@@ -376,17 +361,15 @@ fn a_sweep_and_an_optimum_have_the_day_of_the_node() {
     ] {
         assert_eq!(points[0][of_sweep], day[of_day], "{of_sweep}");
     }
-    let runs: f64 = day["actions"].as_array().expect("actions").iter().map(|one| number(one, "runs")).sum();
+    let runs = over_actions(&day, |one| number(one, "runs"));
     assert_eq!(points[0]["node_runs"].as_f64(), Some(runs));
     assert!(number(&points[2], "node_runs") > runs && number(&points[0], "node_lockouts") > 0.0, "{points}");
     let over = format!("{key}=0.02:0.5");
     let optimise = ["optimise", NODE, "--maximise", "node_runs", "--over", &over, "--grid", "3"];
-    let best: serde_json::Value =
-        serde_json::from_str(&accepted(&[&optimise[..], &short].concat())).expect("JSON");
+    let best = any_json(&[&optimise[..], &short].concat());
     assert!(number(&best, "value") >= number(&points[2], "node_runs"), "{best}");
     refused(&optimise, &["--over node.storage.capacitance_f", "--node"]);
-    let passive = super::tool::PASSIVE;
-    refused(&["sweep", passive, "--over", "load.resistance_ohm=1:2:2", "--node"], &["node: is missing"]);
+    refused(&["sweep", PASSIVE, "--over", "load.resistance_ohm=1:2:2", "--node"], &["node: is missing"]);
 }
 
 /// A node that is off does not know the income of those hours; the capacitance that it needs does not depend on it.
@@ -400,20 +383,12 @@ fn the_capacitance_for_wishes_is_that_of_a_node_that_is_never_off() {
     assert!(number(&locked, "lockouts") > 0.0, "{locked}");
     let needed = number(&locked, "capacitance_for_wishes_f");
     let day = with(needed);
-    let runs = day["actions"]
-        .as_array()
-        .expect("actions")
-        .iter()
-        .map(|one| number(one, "wished_runs") - number(one, "runs"));
-    assert!(runs.clone().all(|missing| missing < 1.5), "{needed}: {day}");
+    let missing = |one: &Value| number(one, "wished_runs") - number(one, "runs");
+    let all = |one: &Value| missing(one) < 1.5;
+    assert!(day["actions"].as_array().expect("actions").iter().all(all), "{needed}: {day}");
     // With less, wishes are missed.
     let less = with(0.6 * needed);
-    let missed: f64 = less["actions"]
-        .as_array()
-        .expect("actions")
-        .iter()
-        .map(|one| number(one, "wished_runs") - number(one, "runs"))
-        .sum();
+    let missed = over_actions(&less, missing);
     assert!(missed > 5.0, "{less}");
 }
 
@@ -433,10 +408,9 @@ fn strategies_refuse_a_scene_that_is_no_harvester_of_a_node() {
 #[test]
 #[ignore = "a minute: the map and its rows"]
 fn strategies_are_of_a_scene_file_too() {
-    let slider = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
     let short = ["--course", "speed", "--as-designed", "--seeds", "1", "--storage", "slb12400l151"];
-    let told = accepted(&[&["node-strategies", slider, "--format", "json"], &short[..]].concat());
-    let rows: Vec<serde_json::Value> = serde_json::from_str(&told).expect("rows");
+    let rows = any_json(&[&["node-strategies", SLIDING], &short[..]].concat());
+    let rows = rows.as_array().expect("rows");
     assert_eq!(rows.len(), 42);
     for row in rows.iter().filter(|row| row["strategy"] == "map") {
         // The voltage of a battery says next to nothing in an hour.

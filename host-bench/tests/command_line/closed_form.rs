@@ -1,33 +1,30 @@
 //! Mean power without a trajectory: `closed-form`.
 
-use super::tool::{SHIPPED, accepted, file, folder, number, refused};
+use super::tool::{BEAM, BUMP_STOP, SHIPPED, accepted, file, folder, json, number, refused};
 
-const STOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
-const FREE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
 const STORE: &str =
     "load={kind='rectified-store',capacitance_f=1e-6,diode_drop_v=0,leakage_ohm=2e5,initial_v=0}";
 
 fn of(arguments: &[&str]) -> serde_json::Value {
-    let found = accepted(&[&["closed-form"], arguments, &["--format", "json"]].concat());
-    serde_json::from_str(&found).expect("one JSON object")
+    json(&[&["closed-form"], arguments].concat())
 }
 
 #[test]
 fn a_scene_has_its_power_and_whether_that_holds() {
-    let found = of(&[FREE]);
+    let found = of(&[BEAM]);
     assert_eq!((&found["scene"], &found["holds"]), (&"bump-stop".into(), &true.into()));
-    let single = of(&[FREE, "--precision", "f32"]);
+    let single = of(&[BEAM, "--precision", "f32"]);
     assert!((number(&single, "mean_power_w") / number(&found, "mean_power_w") - 1.0).abs() < 1e-3);
-    let found = of(&[STOP]);
+    let found = of(&[BUMP_STOP]);
     assert_eq!((&found["holds"], &found["reason"]), (&false.into(), &"reaches-stop".into()));
-    assert!(accepted(&["closed-form", FREE]).contains("mean_power_w"));
+    assert!(accepted(&["closed-form", BEAM]).contains("mean_power_w"));
 }
 
 #[test]
 fn a_beam_behind_a_bridge_has_a_closed_form_too() {
     let weak = ["--set", "parameters.piezo_d31_m_per_v=-19e-12", "--set", "excitation.amplitude_m_per_s2=2"];
     let behind = |load: &str| {
-        let found = of(&[&[FREE, "--set", load], &weak[..]].concat());
+        let found = of(&[&[BEAM, "--set", load], &weak[..]].concat());
         assert_eq!(found["holds"], true, "{found}");
         found
     };
@@ -41,22 +38,22 @@ fn a_beam_behind_a_bridge_has_a_closed_form_too() {
     assert!((power / number(&bus, "mean_store_current_a") / voltage - 1.0).abs() < 1e-12, "{bus}");
     // The same of a store whose voltage is held.
     let voltage = voltage.to_string();
-    let held = of(&[&[FREE, "--set", STORE, "--storage-voltage", &voltage], &weak[..]].concat());
+    let held = of(&[&[BEAM, "--set", STORE, "--storage-voltage", &voltage], &weak[..]].concat());
     assert_eq!(number(&held, "mean_power_w"), power);
 }
 
 #[test]
 fn what_has_no_closed_form_is_refused() {
     refused(&["closed-form", SHIPPED], &["scene", "\"bump-stop\"", "--steady-state"]);
-    refused(&["closed-form", FREE, "--set", STORE], &["load.draw", "a resistor", "--storage-voltage"]);
-    refused(&["closed-form", FREE, "--storage-voltage", "3"], &["load.kind", "must be a bridge"]);
-    let held = ["closed-form", FREE, "--set", STORE, "--storage-voltage"];
+    refused(&["closed-form", BEAM, "--set", STORE], &["load.draw", "a resistor", "--storage-voltage"]);
+    refused(&["closed-form", BEAM, "--storage-voltage", "3"], &["load.kind", "must be a bridge"]);
+    let held = ["closed-form", BEAM, "--set", STORE, "--storage-voltage"];
     refused(&[&held[..], &["-1"]].concat(), &["--storage-voltage -1", "from 0"]);
     refused(
         &[&held[..], &["3", "--set", "load.initial_v=1"]].concat(),
         &["load.initial_v", "--storage-voltage holds"],
     );
-    let sine = std::fs::read_to_string(FREE).expect("the shipped scene");
+    let sine = std::fs::read_to_string(BEAM).expect("the shipped scene");
     let (before, after) = sine.split_once("[excitation]").expect("a section");
     let (_, run) = after.split_once("[run]").expect("a section");
     let text = format!("{before}[excitation]\nkind = \"silence\"\n[run]{run}");

@@ -2,10 +2,7 @@
 
 use serde_json::Value;
 
-use super::tool::{PASSIVE, SHIPPED, folder, host_bench};
-
-const SLIDING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
-const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
+use super::tool::{NODE, PASSIVE, SHIPPED, SLIDING, folder, json_and_told, number, place, set};
 
 /// Whether a warning is another than that the plates are too small or the slope too large, which these scenes have.
 fn is_other(text: &str) -> bool {
@@ -14,12 +11,7 @@ fn is_other(text: &str) -> bool {
 
 /// Runs a command with overrides; gives the JSON and the lines on standard error.
 fn told(command: &[&str], overrides: &[&str]) -> (Value, Vec<String>) {
-    let sets = overrides.iter().flat_map(|change| ["--set", change]);
-    let arguments: Vec<&str> = command.iter().copied().chain(["--format", "json"]).chain(sets).collect();
-    let output = host_bench(&arguments);
-    let told = String::from_utf8(output.stderr).expect("text");
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {told}");
-    let found = serde_json::from_slice(&output.stdout).expect("JSON");
+    let (found, told) = json_and_told(&[command, &set(overrides)].concat());
     (found, told.lines().filter(|line| is_other(line)).map(str::to_owned).collect())
 }
 
@@ -45,9 +37,8 @@ const SHORT: [&str; 2] = ["run.duration_s=1.5", "run.settle_s=0.5"];
 #[test]
 fn the_share_is_the_quotient_and_the_warning_names_law_number_and_remedy() {
     let (found, warnings) = run(SHIPPED, &SHORT);
-    let number = |key: &str| found[key].as_f64().expect("a number");
-    let share = number("created_energy_share");
-    assert_eq!(share, number("created_energy_j") / number("delivered_energy_j"));
+    let share = number(&found, "created_energy_share");
+    assert_eq!(share, number(&found, "created_energy_j") / number(&found, "delivered_energy_j"));
     assert!(share > 1.0, "{share}");
     let [warning] = &warnings[..] else { panic!("{warnings:?}") };
     let parts =
@@ -74,7 +65,7 @@ fn without_delivered_energy_the_share_is_null() {
 fn sliding_without_the_lateral_force_takes_nothing_from_the_motion() {
     let short = ["run={duration_periods=60,settle_periods=40}"];
     let (found, warnings) = run(SLIDING, &short);
-    let share = found["created_energy_share"].as_f64().expect("a number");
+    let share = number(&found, "created_energy_share");
     assert!((share - 1.0).abs() < 0.05, "{share}");
     assert!(
         warnings.len() == 1 && warnings[0].contains("lateral_force = false creates energy"),
@@ -103,8 +94,7 @@ fn a_sweep_warns_once_and_each_of_its_points_has_its_warning() {
 
 #[test]
 fn a_budget_warns_of_income_that_is_created() {
-    let picture = folder("created").join("day.svg");
-    let command = ["budget", NODE, "--svg", picture.to_str().expect("a plain path")];
+    let command = ["budget", NODE, "--svg", &place(&folder("created"), "day.svg")];
     let short = ["run.duration_s=3", "run.settle_s=2"];
     let (day, lines) = told(&command, &short);
     let creates = |list: &[String]| list.iter().filter(|text| text.contains("creates energy")).count();

@@ -4,13 +4,9 @@ use std::fs;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
-use serde_json::Value;
-
-use super::tool::{PASSIVE, SHIPPED, accepted, folder, refused};
-
-const FREE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
-const BIMORPH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bimorph-erturk-inman.toml");
-const STOPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
+use super::tool::{
+    BEAM, BIMORPH, BUMP_STOP, PASSIVE, SLIDING, accepted, folder, json, number, place, refused, set,
+};
 
 /// With this variable of the environment a test fails where there is no ngspice; without it the test is skipped.
 const REQUIRED: &str = "HARVESTER_NGSPICE";
@@ -36,21 +32,17 @@ fn measured(printed: &str, name: &str) -> f64 {
 /// Mean power in W and RMS voltage in V of a scene with overrides: by ngspice of the exported files, and by the core.
 fn both(name: &str, scene: &str, overrides: &[&str]) -> [[f64; 2]; 2] {
     let folder = folder(name);
-    let place = |name: &str| folder.join(name).to_str().expect("a plain path").to_owned();
-    let (spice, deck) = (place("harvester.cir"), place("harvester_test.cir"));
-    let set: Vec<&str> = overrides.iter().flat_map(|change| ["--set", change]).collect();
+    let [spice, deck] = ["harvester.cir", "harvester_test.cir"].map(|name| place(&folder, name));
+    let set = set(overrides);
     accepted(&[&["export", scene, "--spice", &spice, "--deck", &deck][..], &set].concat());
     // It looks for the included file in the current folder first. -n: without the settings of a user.
     let run = Command::new("ngspice").args(["-n", "-b", &deck]).current_dir(&folder).output();
     let run = run.expect("ngspice starts");
     let printed = String::from_utf8_lossy(&run.stdout).into_owned();
-    let core = accepted(&[&["run", scene, "--no-accuracy", "--format", "json"][..], &set].concat());
-    let core: Value = serde_json::from_str(&core).expect("one JSON object");
-    let of_core = |name: &str| core[name].as_f64().expect("a number");
-    [
-        ["mean_power_w", "rms_voltage_v"].map(|name| measured(&printed, name)),
-        ["mean_power_w", "rms_voltage_v"].map(of_core),
-    ]
+    let core = json(&[&["run", scene, "--no-accuracy"][..], &set].concat());
+    let of_core = |name: &str| number(&core, name);
+    let names = ["mean_power_w", "rms_voltage_v"];
+    [names.map(|name| measured(&printed, name)), names.map(of_core)]
 }
 
 #[test]
@@ -60,15 +52,15 @@ fn ngspice_has_the_mean_power_of_a_cantilever() {
     }
     let short = ["run.duration_s=0.25", "run.settle_s=0.05"];
     let cases: [(&str, &str, &[&str]); 5] = [
-        ("export-free", FREE, &[]),
+        ("export-free", BEAM, &[]),
         (
             "export-phase",
-            FREE,
+            BEAM,
             &["excitation.phase_rad=1", "parameters.coupling=one-way", "load.resistance_ohm=10k"],
         ),
         (
             "export-start",
-            FREE,
+            BEAM,
             &[
                 "excitation.amplitude_m_per_s2=0.1",
                 "initial.modal_displacement=[1e-6,0,0,0,0,0,0,0,0,0]",
@@ -133,20 +125,19 @@ fn ngspice_has_the_mean_power_of_contact_separation() {
 #[test]
 fn scenes_without_a_netlist_are_refused_and_nothing_is_written() {
     let folder = folder("export-refused");
-    let place = |name: &str| folder.join(name).to_str().expect("a plain path").to_owned();
-    let (spice, deck, elsewhere) = (place("harvester.cir"), place("test.cir"), place("elsewhere/test.cir"));
+    let [spice, deck, elsewhere] =
+        ["harvester.cir", "test.cir", "elsewhere/test.cir"].map(|name| place(&folder, name));
     fs::create_dir(folder.join("elsewhere")).expect("a folder");
-    let sliding = SHIPPED.replace("contact-separation", "sliding");
-    refused(&["export", &sliding, "--spice", &spice], &["scene: is \"sliding\"", "bump-stop"]);
-    refused(&["export", STOPPED, "--spice", &spice], &["stop: must be absent"]);
-    refused(&["export", FREE, "--spice", &spice, "--deck", &elsewhere], &["--deck", "in the folder of"]);
+    refused(&["export", SLIDING, "--spice", &spice], &["scene: is \"sliding\"", "bump-stop"]);
+    refused(&["export", BUMP_STOP, "--spice", &spice], &["stop: must be absent"]);
+    refused(&["export", BEAM, "--spice", &spice, "--deck", &elsewhere], &["--deck", "in the folder of"]);
     for (change, part) in [
         ("load.resistance_ohm=0", "load.resistance_ohm: must be above 0"),
         ("load={kind=\"dc-bus\",voltage_v=5,diode_drop_v=0}", "load.kind: must be \"resistor\""),
         ("excitation.frequency_hz=0", "excitation.frequency_hz: is 0"),
         ("excitation={kind=\"silence\"}", "excitation.kind: must be \"sine\""),
     ] {
-        refused(&["export", FREE, "--spice", &spice, "--deck", &deck, "--set", change], &[part]);
+        refused(&["export", BEAM, "--spice", &spice, "--deck", &deck, "--set", change], &[part]);
     }
     assert!(!folder.join("harvester.cir").exists() && !folder.join("test.cir").exists());
 }

@@ -4,9 +4,8 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use super::tool::{accepted, file, folder, host_bench, refused};
+use super::tool::{MEASURED, accepted, file, folder, host_bench, json, place, refused};
 
-const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
 /// Without the electrostatic force, as the data are made.
 const LAW: &str = "parameters.force_law=none";
 const FREE: [(&str, f64); 3] = [
@@ -47,10 +46,8 @@ fn sweep(with_std: bool, mut noise: impl FnMut(f64) -> f64) -> String {
 /// The result of a fit of the three keys to files, with more options.
 #[track_caller]
 fn fitted(data: &[&str], more: &[&str]) -> Value {
-    let mut arguments = vec!["fit", SCENE, "--set", LAW, "--format", "json"];
-    arguments.extend(data.iter().flat_map(|file| ["--data", file]));
-    arguments.extend(more);
-    serde_json::from_str(&accepted(&arguments)).expect("one JSON object")
+    let data: Vec<&str> = data.iter().flat_map(|file| ["--data", file]).collect();
+    json(&[&["fit", MEASURED, "--set", LAW], &data[..], more].concat())
 }
 
 fn number(value: &Value) -> f64 {
@@ -116,11 +113,6 @@ fn coverage(name: &str, count: u64, with_std: bool) -> [f64; 2] {
         }
     }
     let all = (count * FREE.len() as u64) as f64;
-    println!(
-        "{name}: within three standard errors {}, in the interval {}",
-        near as f64 / all,
-        covered as f64 / all
-    );
     [near as f64 / all, covered as f64 / all]
 }
 
@@ -144,12 +136,10 @@ fn intervals_cover_the_truth_in_95_percent_of_many_data_sets() {
 fn a_pair_that_the_data_do_not_determine_is_named_and_not_written() {
     let folder = folder("fit-degenerate");
     let data = file(&folder, "data.csv", sweep(true, |_| 0.0));
-    let output = folder.join("fitted.toml");
-    let mut arguments = vec!["fit", SCENE, "--set", LAW, "--data", &data, "--format", "json"];
-    for key in ["parameters.mass_kg", "parameters.stiffness_n_per_m", "parameters.damping_ratio"] {
-        arguments.extend(["--free", key]);
-    }
-    let found: Value = serde_json::from_str(&accepted(&arguments)).expect("JSON");
+    let output = place(&folder, "fitted.toml");
+    let keys = ["parameters.mass_kg", "parameters.stiffness_n_per_m", "parameters.damping_ratio"];
+    let free: Vec<&str> = keys.iter().flat_map(|key| ["--free", key]).collect();
+    let found = fitted(&[&data], &free);
     assert_eq!(found["identifiable"], false);
     let named = found["not_determined"][0].as_object().expect("a combination");
     let keys: Vec<&String> = named.keys().collect();
@@ -159,10 +149,10 @@ fn a_pair_that_the_data_do_not_determine_is_named_and_not_written() {
         assert!(found["parameters"][key]["standard_error"].is_null());
     }
     assert!(number(&found["parameters"]["parameters.damping_ratio"]["standard_error"]) > 0.0);
-    arguments.extend(["--output", output.to_str().expect("a plain path")]);
-    let told = host_bench(&arguments);
+    let fit = ["fit", MEASURED, "--set", LAW, "--data", &data, "--output", &output];
+    let told = host_bench(&[&fit[..], &free].concat());
     assert_eq!(told.status.code(), Some(3));
-    assert!(!output.exists());
+    assert!(!folder.join("fitted.toml").exists());
 }
 
 #[test]
@@ -170,7 +160,7 @@ fn the_table_of_the_scene_says_the_same_and_the_fitted_scene_has_the_values() {
     let folder = folder("fit-output");
     let output = folder.join("fitted.toml");
     let path = output.to_str().expect("a plain path");
-    let text = accepted(&["fit", SCENE, "--output", path]);
+    let text = accepted(&["fit", MEASURED, "--output", path]);
     for part in ["parameters.stiffness_n_per_m", "relative residual of rms_voltage_v", "28 points"] {
         assert!(text.contains(part), "{part} is not in {text}");
     }
@@ -178,7 +168,7 @@ fn the_table_of_the_scene_says_the_same_and_the_fitted_scene_has_the_values() {
     assert!(scene.contains("# fitted, 95 % from ") && scene.contains("; from the drawing"), "{scene}");
     assert!(std::fs::read_to_string(output.with_extension("svg")).expect("a picture").contains("<svg"));
     // The fitted scene is a scene, and fits itself again to the same values.
-    let again: Value = serde_json::from_str(&accepted(&["fit", path, "--format", "json"])).expect("JSON");
+    let again = json(&["fit", path]);
     for (key, truth) in FREE {
         let parameter = &again["parameters"][key];
         let (value, start) = (number(&parameter["value"]), number(&parameter["start"]));
@@ -276,10 +266,9 @@ fn scaled([voltage_factor, gap_factor]: [f64; 2]) -> String {
 #[test]
 fn a_column_in_another_unit_is_told_with_its_ratio() {
     let folder = folder("fit-units");
-    let output = folder.join("fitted.toml");
+    let output = place(&folder, "fitted.toml");
     let data = file(&folder, "data.csv", scaled([1.0, 1e3]));
-    let more = ["--starts", "0", "--output", output.to_str().expect("a plain path")];
-    let found = fitted(&[&data], &more);
+    let found = fitted(&[&data], &["--starts", "0", "--output", &output]);
     assert_eq!(found["converged"], true, "the search has done what it can");
     let warnings = found["warnings"].to_string();
     assert!(
@@ -305,7 +294,7 @@ fn semicolons_and_decimal_commas_are_read_as_in_a_recording() {
     });
     assert_eq!(one, other);
     let mixed = file(&folder, "mixed.csv", "frequency_hz;rms_voltage_v\n20,5;0,1\n21.5;0,1\n");
-    refused(&["fit", SCENE, "--data", &mixed], &["mixed.csv:3", "frequency_hz", "decimal mark"]);
+    refused(&["fit", MEASURED, "--data", &mixed], &["mixed.csv:3", "frequency_hz", "decimal mark"]);
 }
 
 #[test]
@@ -313,7 +302,7 @@ fn bad_data_and_keys_are_refused_with_their_place() {
     let folder = folder("fit-refused");
     let bad = |name: &str, text: &str, parts: &[&str]| {
         let data = file(&folder, name, text);
-        refused(&["fit", SCENE, "--data", &data], parts);
+        refused(&["fit", MEASURED, "--data", &data], parts);
     };
     bad("a.csv", "frequency,rms_voltage_v\n20,1\n", &["a.csv", "frequency_hz", "is missing"]);
     bad("b.csv", "frequency_hz,voltage\n20,1\n", &["b.csv", "\"voltage\"", "unknown"]);
@@ -325,7 +314,7 @@ fn bad_data_and_keys_are_refused_with_their_place() {
     bad("h.csv", "time_s,voltage_v\n0,1\n1,1\n3,1\n", &["h.csv:3", "time_s", "uniform"]);
     bad("i.csv", "frequency_hz,rms_voltage_v,direction\n20,1,left\n", &["i.csv:2", "left"]);
     let data = file(&folder, "good.csv", sweep(false, |_| 0.0));
-    let key = |key: &str, parts: &[&str]| refused(&["fit", SCENE, "--data", &data, "--free", key], parts);
+    let key = |key: &str, parts: &[&str]| refused(&["fit", MEASURED, "--data", &data, "--free", key], parts);
     key("parameters.mass", &["--free parameters.mass", "unknown key"]);
     // No value was given, and none is told.
     key(
@@ -335,5 +324,5 @@ fn bad_data_and_keys_are_refused_with_their_place() {
     key("parameters.force_law", &["parameters.force_law", "must be a number"]);
     key("parameters.mass_kg=2:1", &["LOW = 2"]);
     key("parameters.mass_kg=1:2", &["parameters.mass_kg", "within 1:2"]);
-    refused(&["fit", SCENE, "--data", "/nowhere.csv"], &["/nowhere.csv", "cannot be read"]);
+    refused(&["fit", MEASURED, "--data", "/nowhere.csv"], &["/nowhere.csv", "cannot be read"]);
 }

@@ -4,12 +4,7 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use super::tool::{PASSIVE, accepted, file, folder, host_bench};
-
-const BEAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
-/// Data by a program of its own: one mode of the beam and a spring, by Runge and Kutta's method.
-const STOPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/bump-stop.toml");
-const MEASURED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
+use super::tool::{BEAM, MEASURED, PASSIVE, STOPPED, file, folder, host_bench, json, place, rows, set};
 
 fn value(found: &Value, key: &str) -> f64 {
     found["parameters"][key]["value"].as_f64().unwrap_or_else(|| panic!("{key} in {found}"))
@@ -22,9 +17,8 @@ const DAMPING: f64 = 0.012;
 /// `Γ φ(L)` = 1.566 of the first mode (A. Erturk and D. J. Inman, *Piezoelectric Energy Harvesting*, 2011, section 1.2).
 /// Each value is too large or too small by a part, in turn. The result of a fit from starts a factor of two off.
 fn beam(name: &str, error: f64, starts: &str) -> Value {
-    let mut model = vec!["--set", "parameters.beam_modes=1", "--set", "parameters.coupling=\"one-way\""];
-    let run = accepted(&[&["run", BEAM, "--no-accuracy", "--format", "json"], &model[..]].concat());
-    let run: Value = serde_json::from_str(&run).expect("JSON");
+    let model = set(&["parameters.beam_modes=1", "parameters.coupling=\"one-way\""]);
+    let run = json(&[&["run", BEAM, "--no-accuracy"], &model[..]].concat());
     let natural = std::f64::consts::TAU * run["beam_natural_frequencies_hz"][0].as_f64().expect("a number");
     let mut text = String::from("frequency_hz,peak_tip_displacement_m\n");
     for row in 0..9 {
@@ -35,10 +29,9 @@ fn beam(name: &str, error: f64, starts: &str) -> Value {
         let _ = writeln!(text, "{frequency},{}", (1.0 + sign * error) * 1.565_983_4 * 20.0 / size);
     }
     let data = file(&folder(name), "beam.csv", text);
-    model.extend(["--set", "parameters.damping_ratio=0.024"]);
-    model.extend(["--set", "parameters.substrate_young_modulus_pa=100e9", "--data", &data]);
-    model.extend(["--free", KEYS[0], "--free", KEYS[1], "--starts", starts, "--format", "json"]);
-    serde_json::from_str(&accepted(&[&["fit", BEAM], &model[..]].concat())).expect("JSON")
+    let start = set(&["parameters.damping_ratio=0.024", "parameters.substrate_young_modulus_pa=100e9"]);
+    let options = ["--data", &data, "--free", KEYS[0], "--free", KEYS[1], "--starts", starts];
+    json(&[&["fit", BEAM], &model[..], &start, &options].concat())
 }
 
 #[test]
@@ -65,8 +58,7 @@ const STOP: [(&str, f64); 2] = [("stop.gap_m", 30e-6), ("stop.contact_compliance
 
 /// The result of a fit of the beam that hits a stop, with other data or options.
 fn stopped(more: &[&str]) -> Value {
-    let all = [&["fit", STOPPED, "--format", "json"], more].concat();
-    serde_json::from_str(&accepted(&all)).expect("JSON")
+    json(&[&["fit", STOPPED], more].concat())
 }
 
 #[test]
@@ -111,23 +103,19 @@ fn a_stop_that_the_sweep_does_not_reach_is_not_identifiable() {
 #[test]
 fn a_trace_with_impacts_has_the_restitution() {
     let folder = folder("fit-impacts");
-    let path = folder.join("run.csv");
-    let path = path.to_str().expect("a plain path");
-    let span = ["--set", "run={duration_s=0.8,settle_s=0.1}", "--format", "json"];
+    let path = &place(&folder, "run.csv");
+    let span = ["--set", "run={duration_s=0.8,settle_s=0.1}"];
     let trace = ["run", PASSIVE, "--method", "reference", "--trace", path, "--trace-every", "1e-3"];
-    let run: Value = serde_json::from_str(&accepted(&[&trace[..], &span[..]].concat())).expect("JSON");
+    let run = json(&[&trace[..], &span].concat());
     assert!(run["impacts"].as_u64().is_some_and(|count| count >= 5), "{run}");
-    let mut reader = csv::Reader::from_path(path).expect("the trace");
-    let heading = reader.headers().expect("a heading").clone();
-    let column = |name: &str| heading.iter().position(|other| other == name).expect("a column");
-    let taken = ["time_s", "base_acceleration_m_per_s2", "gap_m", "voltage_v"].map(column);
     let mut text = String::from("time_s,acceleration_m_per_s2,gap_m,voltage_v\n");
-    for row in reader.records() {
-        let row = row.expect("a row");
-        let _ = writeln!(text, "{}", taken.map(|index| row[index].to_owned()).join(","));
+    for row in rows(&std::fs::read_to_string(path).expect("the trace")) {
+        let cells =
+            ["time_s", "base_acceleration_m_per_s2", "gap_m", "voltage_v"].map(|name| row[name].clone());
+        let _ = writeln!(text, "{}", cells.join(","));
     }
     let data = file(&folder, "trace.csv", text);
-    let mut fit = vec!["fit", PASSIVE, "--data", &data, "--format", "json"];
+    let mut fit = vec!["fit", PASSIVE, "--data", &data];
     let keys = [
         ("parameters.stiffness_n_per_m", "79", 80.0),
         ("parameters.restitution.at_rest", "0.6", 0.8),
@@ -137,7 +125,7 @@ fn a_trace_with_impacts_has_the_restitution() {
     let free = ["parameters.stiffness_n_per_m", "parameters.restitution.at_rest=0.3:0.99", keys[2].0];
     fit.extend(sets.iter().flat_map(|set| ["--set", set.as_str()]));
     fit.extend(free.iter().flat_map(|key| ["--free", key]));
-    let found: Value = serde_json::from_str(&accepted(&fit)).expect("JSON");
+    let found = json(&fit);
     for (key, _, truth) in keys {
         assert!((value(&found, key) / truth - 1.0).abs() < 1e-4, "{key}: {found}");
     }
@@ -171,12 +159,11 @@ fn systematic_residuals_warn_and_the_picture_has_the_model_between_the_rows() {
         let _ = writeln!(text, "{frequency},{}", 3e-3 + ratio * 0.25 / (natural * natural) / size);
     }
     let data = file(&folder, "sharp.csv", text);
-    let svg = folder.join("fit.svg");
-    let mut fit =
-        vec!["fit", MEASURED, "--set", "parameters.force_law=none", "--data", &data, "--format", "json"];
+    let svg = place(&folder, "fit.svg");
+    let mut fit = vec!["fit", MEASURED, "--set", "parameters.force_law=none", "--data", &data];
     fit.extend(["--free", "parameters.stiffness_n_per_m", "--free", "parameters.damping_ratio"]);
-    fit.extend(["--picture", svg.to_str().expect("a plain path")]);
-    let found: Value = serde_json::from_str(&accepted(&fit)).expect("JSON");
+    fit.extend(["--picture", &svg]);
+    let found = json(&fit);
     assert!(found["warnings"].to_string().contains("the residuals of peak_gap_m are systematic"), "{found}");
     let svg = std::fs::read_to_string(svg).expect("the picture");
     for part in ["frequency [Hz]", "peak gap [mm]", "data − model [µm]", "model", "measured"] {
@@ -187,6 +174,6 @@ fn systematic_residuals_warn_and_the_picture_has_the_model_between_the_rows() {
         svg.split("#D55E00").filter(|part| part.contains("linejoin")).map(|part| part.matches('L').count());
     assert!(line.max() > Some(150));
     // The example's data have noise of chance.
-    let fine: Value = serde_json::from_str(&accepted(&["fit", MEASURED, "--format", "json"])).expect("JSON");
+    let fine = json(&["fit", MEASURED]);
     assert!(!fine["warnings"].to_string().contains("systematic"), "{fine}");
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::tool::{SHIPPED, accepted, file, folder, number, outcome};
+use super::tool::{SHIPPED, accepted, file, folder, number, outcome, place, rows, set};
 
 /// Half a second of the shipped scene, with impacts in it.
 const SHORT: [&str; 2] = ["run.duration_s=0.6", "run.settle_s=0.3"];
@@ -47,16 +47,14 @@ fn what_does_not_exist_is_null() {
 #[test]
 fn the_same_numbers_in_every_format() {
     let run = |format| {
-        let mut arguments = vec!["run", SHIPPED, "--method", "reference", "--format", format];
-        arguments.extend(SHORT.iter().flat_map(|change| ["--set", change]));
-        accepted(&arguments)
+        let run = ["run", SHIPPED, "--method", "reference", "--format", format];
+        accepted(&[&run[..], &set(&SHORT)].concat())
     };
     let object: serde_json::Value = serde_json::from_str(&run("json")).expect("one JSON object");
-    let csv = run("csv");
-    let lines: Vec<&str> = csv.lines().collect();
-    assert_eq!(lines.len(), 2);
+    let csv = rows(&run("csv"));
+    assert_eq!(csv.len(), 1);
     let table = run("table");
-    for (name, cell) in lines[0].split(',').zip(lines[1].split(',')) {
+    for (name, cell) in &csv[0] {
         assert!(table.lines().any(|line| line.split_whitespace().next() == Some(name)), "{name}");
         let value = match name.strip_prefix("accuracy_") {
             Some(source) => object["accuracy"].get(source),
@@ -151,13 +149,10 @@ fn a_recorded_acceleration_shakes_the_base() {
 #[test]
 fn a_trace_of_the_motion_is_written_whole() {
     let folder = folder("motion");
-    let trace = folder.join("motion.csv");
-    let path = trace.to_str().expect("a plain path");
-    let mut arguments =
-        vec!["run", SHIPPED, "--method", "reference", "--trace", path, "--trace-every", "1e-3"];
-    arguments.extend(SHORT.iter().flat_map(|change| ["--set", change]));
-    accepted(&arguments);
-    let mut reader = csv::Reader::from_path(&trace).expect("the trace");
+    let path = &place(&folder, "motion.csv");
+    let run = ["run", SHIPPED, "--method", "reference", "--trace", path, "--trace-every", "1e-3"];
+    accepted(&[&run[..], &set(&SHORT)].concat());
+    let mut reader = csv::Reader::from_path(path).expect("the trace");
     let heading: Vec<String> = reader.headers().expect("a heading").iter().map(str::to_owned).collect();
     assert_eq!(
         heading.join(" "),

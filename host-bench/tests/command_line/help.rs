@@ -1,6 +1,6 @@
 //! The texts of `--help`.
 
-use super::tool::{PASSIVE, accepted};
+use super::tool::{BEAM, BUMP_STOP, MEASURED, PASSIVE, accepted};
 
 /// The names of the commands.
 fn commands() -> Vec<String> {
@@ -81,17 +81,15 @@ fn what_people_read_has_at_most_a_hundred_columns() {
     let short = "run={duration_s=0.5,settle_s=0.25}";
     let over = ["--over", "load.resistance_ohm=1M:100M:2", "--over", "excitation.frequency_hz=20:21:2"];
     let sweep = ["sweep", PASSIVE, "--steady-state", "--no-accuracy", "--set", short];
-    let scene = |name: &str| format!("{}/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let [beam, none, fit] = ["bump-stop", "bump-stop-none", "measured/contact-separation"].map(scene);
     let few = ["--set", "run={duration_s=0.02,settle_s=0.01}", "--no-accuracy"];
     for arguments in [
         vec!["run", PASSIVE, "--set", short],
-        [&["run", beam.as_str()], &few[..]].concat(),
+        [&["run", BUMP_STOP], &few[..]].concat(),
         [&sweep[..], &over].concat(),
-        vec!["closed-form", &none],
+        vec!["closed-form", BEAM],
         vec!["validation"],
         vec!["needs", PASSIVE, "--accuracy", "0.1"],
-        vec!["fit", &fit],
+        vec!["fit", MEASURED],
         vec!["resonance", PASSIVE, "--from", "19", "--to", "22"],
         vec!["attractors", PASSIVE, "--starts", "4", "--set", short],
     ] {

@@ -4,9 +4,8 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use super::tool::{PASSIVE, SHIPPED, accepted, file, folder, host_bench, refused};
+use super::tool::{BUMP_STOP, PASSIVE, SHIPPED, file, folder, host_bench, json, number, refused};
 
-const BUMP_STOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
 const OVER: [&str; 2] = ["--over", "load.resistance_ohm=1e6:1e8"];
 
 #[test]
@@ -44,8 +43,7 @@ fn a_word_in_place_of_a_command() {
 /// The result of a run, with its warnings.
 #[track_caller]
 fn run(scene: &str, options: &[&str]) -> (Value, String) {
-    let text = accepted(&[&["run", scene, "--format", "json"], options].concat());
-    let found: Value = serde_json::from_str(&text).expect("an object");
+    let found = json(&[&["run", scene], options].concat());
     let warnings = found["warnings"].to_string();
     (found, warnings)
 }
@@ -55,7 +53,7 @@ fn a_mass_in_grams_shakes_far_from_the_resonance() {
     let short = ["--no-accuracy", "--set", "run={duration_s=1.0,settle_s=0.5}"];
     let (found, warnings) = run(PASSIVE, &[&short[..], &["--set", "parameters.mass_kg=5.0"]].concat());
     let natural = (80.0_f64 / 5.0).sqrt() / std::f64::consts::TAU;
-    assert!((found["natural_frequency_hz"].as_f64().expect("a number") / natural - 1.0).abs() < 1e-12);
+    assert!((number(&found, "natural_frequency_hz") / natural - 1.0).abs() < 1e-12);
     let apart = format!(
         "excitation.frequency_hz = 20.5 is a factor of {:.1} from the natural frequency of {natural:.4} Hz",
         20.5 / natural
@@ -71,7 +69,7 @@ fn an_error_above_the_value_is_not_a_value() {
     // A step of a quarter of a period.
     let coarse = ["--step", "1e-3", "--set", "run={duration_s=0.1,settle_s=0.05}"];
     let (found, warnings) = run(BUMP_STOP, &coarse);
-    let total = found["accuracy"]["total"].as_f64().expect("a statement");
+    let total = number(&found["accuracy"], "total");
     assert!(total > 1.0, "{total}");
     assert!(
         warnings.contains("accuracy: the mean power cannot be determined: the estimated relative error"),

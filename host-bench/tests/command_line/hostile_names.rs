@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::tool::{SHIPPED, accepted, file, folder};
+use super::tool::{NODE, SHIPPED, accepted, file, folder, place};
 
 const SHORT: [&str; 4] = ["--set", "run.duration_s=0.3", "--set", "run.settle_s=0.2"];
 /// The smallest map.
@@ -13,8 +13,8 @@ const SMALL_MAP: [&str; 6] = ["--amplitude", "0.5:1", "--frequency", "19:20", "-
 fn a_name_of_a_scene_puts_no_line_into_a_generated_module() {
     let folder = folder("hostile-modules");
     let shipped = fs::read_to_string(SHIPPED).expect("the shipped scene");
-    let module = folder.join("m.rs");
-    let output = module.to_str().expect("a plain path");
+    let module = place(&folder, "m.rs");
+    let output = module.as_str();
     for (name, word) in [
         ("a\ncompile_error!(\"injected\");\n--.toml", r#"$'a\012compile_error!("injected");\012--.toml'"#),
         ("a b;$(touch x).toml", "'a b;$(touch x).toml'"),
@@ -43,7 +43,7 @@ fn a_name_of_a_scene_puts_no_line_into_a_generated_module() {
 #[test]
 fn names_of_actions_and_traces_stay_names() {
     let folder = folder("hostile-names");
-    let node = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml")).expect("shipped");
+    let node = fs::read_to_string(NODE).expect("shipped");
     let named = node.replacen("\"measure\"", r#""=1+1\u001b[31m\n<!--<script>""#, 1);
     assert_ne!(named, node);
     let scene = file(&folder, "node.toml", named);
@@ -61,10 +61,7 @@ fn names_of_actions_and_traces_stay_names() {
         let told = budget(format);
         assert!(!told.contains('\u{1b}') && told.contains(heading), "{told}");
     }
-    let trace = folder.join("<!--<script>.csv");
-    let trace = trace.to_str().expect("a plain path");
-    let page = folder.join("page.html");
-    let page = page.to_str().expect("a plain path");
+    let [trace, page] = &["<!--<script>.csv", "page.html"].map(|name| place(&folder, name));
     accepted(&[&["run", SHIPPED, "--trace", trace, "--trace-every", "1e-3"], &SHORT[..]].concat());
     accepted(&[&["plot", SHIPPED, trace, "--output", page], &SHORT[..]].concat());
     for page in [folder.join("report/budget.html"), page.into()] {

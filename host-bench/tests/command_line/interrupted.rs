@@ -5,10 +5,8 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use super::tool::{SHIPPED, accepted, file, folder, host_bench, refused};
+use super::tool::{MEASURED, NODE, SHIPPED, accepted, file, folder, host_bench, place, refused};
 
-const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
-const MEASURED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
 const SHORT: [&str; 4] = ["--set", "run.duration_s=0.3", "--set", "run.settle_s=0.2"];
 
 /// A row of a file of rows with its checksum, FNV-1a of 64 bits.
@@ -117,16 +115,11 @@ fn figures_that_are_killed_within_a_file_leave_no_part_of_it() {
 }
 
 /// The rows of CSV without the columns that differ from run to run.
-fn rows(text: &str) -> Vec<Vec<String>> {
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let heading = reader.headers().expect("a heading").clone();
-    let is_kept = |at: usize| !["processor_s", "checksum_fnv1a"].contains(&&heading[at]);
-    let rows = reader.records().map(|row| row.expect("a row"));
-    let mut rows: Vec<Vec<String>> = rows
-        .map(|row| {
-            row.iter().enumerate().filter(|(at, _)| is_kept(*at)).map(|(_, cell)| cell.to_owned()).collect()
-        })
-        .collect();
+fn rows(text: &str) -> Vec<BTreeMap<String, String>> {
+    let mut rows = super::tool::rows(text);
+    for row in &mut rows {
+        row.retain(|name, _| !["processor_s", "checksum_fnv1a"].contains(&name.as_str()));
+    }
     // Those of stability stand in the order in which they were judged.
     rows.sort();
     rows
@@ -194,46 +187,19 @@ fn a_file_that_another_command_writes_is_refused_and_that_of_one_that_is_gone_is
 #[test]
 fn two_outputs_of_a_command_are_two_files() {
     let folder = folder("same-output");
-    let [drawing, again] = ["x.svg", "../same-output/x.svg"].map(|name| folder.join(name));
+    let [drawing, again, drawn, map, module] =
+        ["x.svg", "../same-output/x.svg", "fitted.svg", "x.bin", "x.toml"].map(|name| place(&folder, name));
     let scene = file(&folder, "fitted.toml", "");
-    for (arguments, option) in [
-        (
-            vec!["run", SHIPPED, "--trace-every=1e-3", "--trace", text(&drawing), "--picture", text(&again)],
-            "--picture",
-        ),
-        (
-            vec![
-                "fit",
-                MEASURED,
-                "--output",
-                text(&drawing.with_extension("toml")),
-                "--picture",
-                text(&drawing),
-            ],
-            "--picture",
-        ),
-        (
-            vec!["fit", MEASURED, "--output", &scene, "--picture", text(&folder.join("fitted.svg"))],
-            "--picture",
-        ),
-        (
-            vec![
-                "map",
-                SHIPPED,
-                "--amplitude",
-                "1:2",
-                "--frequency",
-                "19:20",
-                "--output",
-                text(&folder.join("x.bin")),
-                "--picture",
-                text(&drawing),
-            ],
-            "--picture",
-        ),
+    let of_map = ["map", SHIPPED, "--amplitude", "1:2", "--frequency", "19:20", "--output", &map];
+    for (arguments, picture) in [
+        (&["run", SHIPPED, "--trace-every=1e-3", "--trace", &drawing][..], &again),
+        (&["fit", MEASURED, "--output", &module], &drawing),
+        (&["fit", MEASURED, "--output", &scene], &drawn),
+        (&of_map, &drawing),
     ] {
-        refused(&arguments, &[option, "must not be the file of another output of this command"]);
-        assert!(!drawing.exists());
+        let told = ["--picture", "must not be the file of another output of this command"];
+        refused(&[arguments, &["--picture", picture]].concat(), &told);
+        assert!(!folder.join("x.svg").exists());
     }
 }
 

@@ -2,13 +2,11 @@
 
 use std::f64::consts::{E, PI};
 
+use super::tool::{BEAM, accepted, json, number, refused};
 use host_bench::method::Options;
 use host_bench::outcome::{Margin, Outcome};
 use host_bench::run::run_scene;
 use host_bench::scene_file::{self, Override, breakdown_voltage_v, fringing, shipped};
-use serde_json::Value;
-
-use super::tool::{accepted, refused};
 
 /// Runs a shipped scene with overrides `key=value`.
 #[track_caller]
@@ -168,35 +166,22 @@ fn what_cannot_be_is_told_and_what_can_is_not() {
 /// The margins are in the objects and in columns of their own; an optimum keeps them if it is asked to.
 #[test]
 fn rows_have_the_margins_and_an_optimum_keeps_them() {
-    let scene = shipped("bump-stop-none");
-    let scene = scene.to_str().expect("plain");
     let short = ["--set", "run={duration_s=0.1, settle_s=0.05}"];
     let over = "excitation.amplitude_m_per_s2=10:2000";
-    let csv = accepted(&[&["run", scene, "--no-accuracy", "--format", "csv"][..], &short].concat());
+    let csv = accepted(&[&["run", BEAM, "--no-accuracy", "--format", "csv"][..], &short].concat());
+    let heading: Vec<&str> = csv.lines().next().expect("a heading").split(',').collect();
     for column in
         ["limits_strain_value", "limits_piezo_strain_margin", "limits_slope_rad_at_s", "smallest_margin"]
     {
-        assert!(
-            csv.lines().next().is_some_and(|heading| heading.split(',').any(|name| name == column)),
-            "{csv}"
-        );
+        assert!(heading.contains(&column), "{csv}");
     }
-    let search = [
-        &["optimise", scene, "--maximise", "mean_power_w", "--over", over, "--grid", "5"][..],
-        &short,
-        &["--format", "json"],
-    ];
-    let search = search.concat();
-    let found = |arguments: &[&str]| -> Value { serde_json::from_str(&accepted(arguments)).expect("JSON") };
-    let free = found(&search);
-    assert!(free["result"]["impossible_margin"].as_f64().is_some_and(|margin| margin < 1.0), "{free}");
-    let keeps = found(&[&search[..], &["--keep-margins"]].concat());
-    let smallest = keeps["result"]["impossible_margin"].as_f64().expect("a margin");
+    let search = ["optimise", BEAM, "--maximise", "mean_power_w", "--over", over, "--grid", "5"];
+    let margin =
+        |more: &[&str]| number(&json(&[&search[..], &short, more].concat())["result"], "impossible_margin");
+    assert!(margin(&[]) < 1.0);
+    let smallest = margin(&["--keep-margins"]);
     assert!((1.0..1.1).contains(&smallest), "{smallest}");
-    refused(
-        &[&["run", scene][..], &["--set", "limits.pressure_pa=1e5"]].concat(),
-        &["limits.pressure_pa", "strain"],
-    );
+    refused(&["run", BEAM, "--set", "limits.pressure_pa=1e5"], &["limits.pressure_pa", "strain"]);
 }
 
 /// The event comes before the first step.

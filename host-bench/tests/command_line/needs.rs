@@ -5,17 +5,15 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::tool::{SHIPPED, accepted, folder, outcome, refused};
+use super::tool::{
+    BEAM, BIMORPH, PASSIVE, SHIPPED, TRUCK, accepted, folder, json, number, outcome, refused, rows, set,
+};
 
-const FREE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
 /// A second of the shipped scene without impacts.
 const SHORT: [&str; 3] = ["excitation.frequency_hz=22", "run.duration_s=2", "run.settle_s=1"];
 
 fn needs(scene: &str, overrides: &[&str], more: &[&str]) -> Value {
-    let mut arguments = vec!["needs", scene, "--format", "json"];
-    arguments.extend(overrides.iter().flat_map(|change| ["--set", change]));
-    arguments.extend(more);
-    serde_json::from_str(&accepted(&arguments)).expect("one JSON object")
+    json(&[&["needs", scene], &set(overrides)[..], more].concat())
 }
 
 fn part<'a>(found: &'a Value, name: &str) -> &'a Value {
@@ -27,16 +25,13 @@ fn part<'a>(found: &'a Value, name: &str) -> &'a Value {
 #[test]
 fn the_changes_are_those_of_runs_of_the_reference_without_the_part() {
     let found = needs(SHIPPED, &SHORT, &[]);
-    let power = |change: &[&str]| {
-        let run = outcome(SHIPPED, &[&SHORT[..], change].concat());
-        run["mean_power_w"].as_f64().expect("a number")
-    };
+    let power = |change: &[&str]| number(&outcome(SHIPPED, &[&SHORT[..], change].concat()), "mean_power_w");
     let full = power(&[]);
     for (name, change) in [
         ("electrostatic force", "parameters.force_law=none"),
         ("parasitic capacitance", "parameters.parasitic_capacitance_f=0"),
     ] {
-        let stated = part(&found, name)["mean_power"].as_f64().expect("a number");
+        let stated = number(part(&found, name), "mean_power");
         let exact = power(&[change]) / full - 1.0;
         assert!(
             (stated - exact).abs() < 2e-4 * (1.0 + exact.abs()) && exact.abs() > 0.01,
@@ -58,7 +53,7 @@ fn a_part_is_needed_without_another_one() {
     let overrides = "excitation.frequency_hz=60 run.duration_s=0.3 run.settle_s=0.2 parameters.beam_modes=4 \
         load.resistance_ohm=1e5 parameters.piezo_d31_m_per_v=-75e-12";
     let overrides: Vec<&str> = overrides.split(' ').collect();
-    let found = needs(FREE, &overrides, &["--accuracy", "7e-3"]);
+    let found = needs(BEAM, &overrides, &["--accuracy", "7e-3"]);
     let coupling = part(&found, "two-way coupling");
     assert_eq!(coupling["verdict"], "not-needed-alone", "{found}");
     assert_eq!(coupling["with"], serde_json::json!(["beam modes above 3"]));
@@ -86,7 +81,6 @@ fn the_scene_of_the_firmware_is_what_the_command_emits() {
 
 #[test]
 fn the_emitted_bimorph_has_its_connection() {
-    const BIMORPH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bimorph-erturk-inman.toml");
     for (connection, value, of_type) in [
         ("bimorph-series", "Bimorph::Series", "Bimorph"),
         ("bimorph-parallel", "Bimorph::Parallel", "Bimorph"),
@@ -102,41 +96,35 @@ fn the_emitted_bimorph_has_its_connection() {
 /// The force that is not needed at 20.5 Hz moves the power by 17.7 % at 19.8 Hz, below the impacts.
 #[test]
 fn a_cut_holds_at_the_corners_of_a_range_too() {
-    let passive = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/contact-separation-passive.toml");
     let weak = ["excitation.amplitude_g=0.15"];
     let corner = serde_json::json!([0.15 * 9.81, 19.8]);
-    let found = needs(passive, &weak, &["--frequency", "19.8:20.5"]);
+    let found = needs(PASSIVE, &weak, &["--frequency", "19.8:20.5"]);
     let force = part(&found, "electrostatic force");
     assert_eq!((&force["verdict"], &force["at"]), (&"needed".into(), &corner), "{force}");
     let run = |force: &str| {
         let changes = [weak[0], "excitation.frequency_hz=19.8", force];
-        outcome(passive, &changes)["mean_power_w"].as_f64().expect("a number")
+        number(&outcome(PASSIVE, &changes), "mean_power_w")
     };
     let exact = run("parameters.force_law=none") / run("parameters.force_law=gap-field") - 1.0;
-    let stated = force["mean_power"].as_f64().expect("a number");
+    let stated = number(force, "mean_power");
     assert!((stated - exact).abs() < 1e-3 && (exact + 0.177).abs() < 1e-3, "{stated} {exact}");
-    let noise = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/contact-separation-truck.toml");
-    refused(&["needs", noise, "--amplitude", "1:2"], &["--amplitude", "one sine"]);
+    refused(&["needs", TRUCK, "--amplitude", "1:2"], &["--amplitude", "one sine"]);
 }
 
 #[test]
 fn csv_is_one_table() {
-    let sets = SHORT.iter().flat_map(|change| ["--set", change]);
-    let arguments: Vec<&str> = ["needs", SHIPPED, "--format", "csv"].into_iter().chain(sets).collect();
-    let text = accepted(&arguments);
+    let text = accepted(&[&["needs", SHIPPED, "--format", "csv"], &set(&SHORT)[..]].concat());
     // Rows of another length are an error of the reader.
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().expect("one table");
-    let count = |table: &str| rows.iter().filter(|row| row.get(0) == Some(table)).count();
+    let rows = rows(&text);
+    let count = |table: &str| rows.iter().filter(|row| row["table"] == table).count();
     assert_eq!((count("parts"), count("parts") + count("numerics")), (5, rows.len()), "{text}");
     assert!(count("numerics") > 3, "{text}");
 }
 
 #[test]
 fn without_power_and_voltage_the_motion_decides_and_is_shown() {
-    let sets = SHORT.iter().copied().chain(["load.resistance_ohm=0"]).flat_map(|change| ["--set", change]);
-    let arguments: Vec<&str> = ["needs", SHIPPED].into_iter().chain(sets).collect();
-    let text = accepted(&arguments);
+    let sets = [&SHORT[..], &["load.resistance_ohm=0"]].concat();
+    let text = accepted(&[&["needs", SHIPPED], &set(&sets)[..]].concat());
     assert!(text.contains("the largest motion decides"), "{text}");
     // The second line of the headings of both tables.
     let folded = text.lines().filter(|line| line.starts_with("motion "));

@@ -2,17 +2,17 @@
 
 use serde_json::Value;
 
-use super::tool::{accepted, file, folder, host_bench, refused};
+use super::tool::{
+    LOADED, MEASURED as SCENE, PASSIVE, SLIDING, accepted, charts, file, folder, host_bench, json, place,
+    refused, set,
+};
 
-const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
-const SLIDING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
 const FREQUENCY: &str = "excitation.frequency_hz";
 /// Without a force the displacement is that of a linear oscillator.
 const LAW: [&str; 4] = ["--set", "parameters.force_law=none", "--set", "parameters.damping_ratio=0.02"];
 
 fn found(arguments: &[&str]) -> Value {
-    let all = [&["optimise"], arguments, &["--steady-state", "--format", "json"]].concat();
-    serde_json::from_str(&accepted(&all)).expect("one JSON object")
+    json(&[&["optimise"], arguments, &["--steady-state"]].concat())
 }
 
 fn number(value: &Value) -> f64 {
@@ -24,18 +24,10 @@ fn number(value: &Value) -> f64 {
 #[test]
 fn the_frequency_of_the_largest_displacement_and_its_range_are_those_of_the_closed_form() {
     let folder = folder("optimise-frequency");
-    let picture = folder.join("drawn.svg");
-    let best = folder.join("best.toml");
+    let [picture, best] = ["drawn.svg", "best.toml"].map(|name| place(&folder, name));
     let range = format!("{FREQUENCY}=17:23");
-    let mut arguments = vec![SCENE, "--maximise", "peak_gap_m", "--over", &range, "--grid", "13"];
-    arguments.extend(LAW);
-    arguments.extend([
-        "--picture",
-        picture.to_str().expect("plain"),
-        "--output",
-        best.to_str().expect("plain"),
-    ]);
-    let found = found(&arguments);
+    let search = [SCENE, "--maximise", "peak_gap_m", "--over", &range, "--grid", "13"];
+    let found = found(&[&search[..], &LAW, &["--picture", &picture, "--output", &best]].concat());
     let (natural, damping) = ((80.0_f64 / 5e-3).sqrt() / std::f64::consts::TAU, 0.02_f64);
     let expected = natural * (1.0 - 2.0 * damping * damping).sqrt();
     let at = number(&found["point"][FREQUENCY]);
@@ -59,17 +51,11 @@ fn the_frequency_of_the_largest_displacement_and_its_range_are_those_of_the_clos
 
 #[test]
 fn a_page_has_the_cells_of_the_grid_and_all_runs() {
-    let html = folder("optimise-page").join("best.html");
-    let range = format!("{FREQUENCY}=17:23");
-    let mut arguments =
-        vec![SCENE, "--maximise", "peak_gap_m", "--over", "parameters.damping_ratio=0.02:0.04"];
-    arguments.extend(["--over", &range, "--grid", "3", "--picture", html.to_str().expect("plain")]);
-    arguments.extend(&LAW[..2]);
-    let found = found(&arguments);
-    let page = std::fs::read_to_string(&html).expect("a page");
-    let charts =
-        page.split("const charts = ").nth(1).and_then(|rest| rest.split(";\n").next()).expect("charts");
-    let charts: Value = serde_json::from_str(charts).expect("JSON");
+    let html = place(&folder("optimise-page"), "best.html");
+    let (damping, range) = ("parameters.damping_ratio=0.02:0.04", format!("{FREQUENCY}=17:23"));
+    let search = [SCENE, "--maximise", "peak_gap_m", "--over", damping, "--over", &range, "--grid", "3"];
+    let found = found(&[&search[..], &["--picture", &html], &LAW[..2]].concat());
+    let charts = charts(&std::fs::read_to_string(&html).expect("a page"));
     assert_eq!(charts.as_array().map(Vec::len), Some(2));
     let field = &charts[0]["field"];
     assert_eq!(
@@ -90,10 +76,8 @@ fn a_page_has_the_cells_of_the_grid_and_all_runs() {
 #[test]
 fn a_constraint_is_kept_and_its_cost_told() {
     let range = format!("{FREQUENCY}=17:20.5");
-    let mut arguments = vec![SCENE, "--maximise", "rms_voltage_v", "--over", &range, "--grid", "9"];
-    arguments.extend(LAW);
-    arguments.extend(["--subject-to", "peak_gap_m<=0.0031"]);
-    let found = found(&arguments);
+    let search = [SCENE, "--maximise", "rms_voltage_v", "--over", &range, "--grid", "9"];
+    let found = found(&[&search[..], &LAW, &["--subject-to", "peak_gap_m<=0.0031"]].concat());
     assert!(number(&found["result"]["peak_gap_m"]) <= 0.0031);
     assert!(number(&found["result"]["peak_gap_m"]) > 0.0031 * 0.998, "{}", found["result"]["peak_gap_m"]);
     assert_eq!(found["constraints"][0]["active"], true);
@@ -107,8 +91,7 @@ fn a_best_resistance_is_not_worse_than_a_fine_sweep_has_it() {
     let over = "--over=load.resistance_ohm=1e6:1e11:log";
     let found = found(&[SLIDING, "--maximise=mean_power_w", over, "--grid=9"]);
     let over = ["sweep", SLIDING, "--over", "load.resistance_ohm=1e6:1e11:41:log", "--steady-state"];
-    let sweep = host_bench(&[&over[..], &["--no-accuracy", "--format", "json"]].concat());
-    let rows: Value = serde_json::from_slice(&sweep.stdout).expect("JSON");
+    let rows = json(&[&over[..], &["--no-accuracy"]].concat());
     let largest =
         rows.as_array().expect("rows").iter().map(|row| number(&row["mean_power_w"])).fold(0.0, f64::max);
     assert!(number(&found["value"]) >= 0.9999 * largest, "{} {largest}", found["value"]);
@@ -158,12 +141,11 @@ fn three_and_four_keys_come_to_the_corner_of_the_closed_form() {
 /// Under its sine this harvester has chaotic motion in a band, and the largest power there is that of a lucky run.
 #[test]
 fn an_optimum_without_a_period_is_doubted() {
-    let passive = super::tool::PASSIVE;
     let over = ["--over", "excitation.frequency_hz=20.04:20.07", "--grid", "5"];
-    let found = found(&[&[passive, "--maximise", "mean_power_w"], &over[..]].concat());
+    let found = found(&[&[PASSIVE, "--maximise", "mean_power_w"], &over[..]].concat());
     assert!(found["warnings"].to_string().contains("has no steady motion of one period"), "{found}");
     let over = ["--over", "excitation.frequency_hz=20.4:20.6", "--grid", "5"];
-    let found = self::found(&[&[passive, "--maximise", "mean_power_w"], &over[..]].concat());
+    let found = self::found(&[&[PASSIVE, "--maximise", "mean_power_w"], &over[..]].concat());
     assert!(!found["warnings"].to_string().contains("steady motion"), "{found}");
 }
 
@@ -221,23 +203,18 @@ fn csv_has_the_constraints_and_a_margin_that_is_not_there_is_told() {
 /// 6.3465e-4 W at 36.0 mm and 100 kΩ, and 6.1664e-4 W at 35.28 mm and 10.7 kΩ.
 #[test]
 fn both_power_peaks_of_a_coupled_beam_are_found() {
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-tip-mass.toml");
-    let text = std::fs::read_to_string(scene).expect("the scene");
+    let text = std::fs::read_to_string(LOADED).expect("the scene");
     let (before, rest) = text.split_once("[stop]").expect("a stop");
     let (_, after) = rest.split_once("[load]").expect("a load");
     let file = file(&folder("optimise-two"), "beam.toml", format!("{before}[load]{after}"));
-    let sets =
-        ["tip_mass.mass_kg=7e-3", "parameters.substrate_thickness_m=0.25m", "excitation.frequency_hz=50"];
-    let mut arguments =
-        vec![file.as_str(), "--maximise", "mean_power_w", "--set", "excitation.amplitude_m_per_s2=0.2g"];
-    arguments.extend(sets.iter().flat_map(|set| ["--set", set]));
-    arguments.extend([
-        "--over",
-        "parameters.beam_length_m=25m:45m",
-        "--over",
-        "load.resistance_ohm=1k:1M:log",
-    ]);
-    let found = found(&arguments);
+    let sets = [
+        "tip_mass.mass_kg=7e-3",
+        "parameters.substrate_thickness_m=0.25m",
+        "excitation.frequency_hz=50",
+        "excitation.amplitude_m_per_s2=0.2g",
+    ];
+    let over = ["--over", "parameters.beam_length_m=25m:45m", "--over", "load.resistance_ohm=1k:1M:log"];
+    let found = found(&[&[&file, "--maximise", "mean_power_w"], &set(&sets)[..], &over].concat());
     let optima = [&found, &found["other_optima"][0]];
     let [best, other] = optima.map(|one| {
         let key = |key: &str| number(&one["point"][key]);

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use super::tool::{SHIPPED, accepted, file, folder, refused};
+use super::tool::{NODE, SHIPPED, accepted, file, folder, refused};
 
 /// A hundredth of a second of a scene.
 fn run<'a>(scene: &'a str, trace: &'a str) -> Vec<&'a str> {
@@ -42,8 +42,7 @@ fn an_output_never_replaces_an_input_of_the_command() {
     refused(&run(&scene, &trace), &["--trace", "sweep.csv", "which this command reads"]);
     let sweep = ["sweep", &scene, "--over", "load.resistance_ohm=1e6:1e8:2", "--output", text(&folder)];
     refused(&sweep, &["--output", "sweep.csv", "which this command reads"]);
-    let node = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
-    let node = file(&folder, "node.toml", fs::read_to_string(node).expect("the shipped scene"));
+    let node = file(&folder, "node.toml", fs::read_to_string(NODE).expect("the shipped scene"));
     refused(&["budget", &node, "--svg", &node], &["--svg", "which this command reads"]);
     #[cfg(unix)]
     {
@@ -119,10 +118,9 @@ fn a_path_is_checked_before_the_runs() {
 #[test]
 fn reports_go_to_the_folder_of_the_caller() {
     let folder = folder("caller");
-    let node = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
     let budget = |folder: &Path| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_host-bench"));
-        command.current_dir(folder).args(["budget", node]);
+        command.current_dir(folder).args(["budget", NODE]);
         command.args(["--set", "run.duration_s=3", "--set", "run.settle_s=2"]).output().expect("it starts")
     };
     assert!(budget(&folder).status.success());

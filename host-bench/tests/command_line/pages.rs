@@ -3,10 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::tool::{PASSIVE, accepted, file, folder};
+use super::tool::{MEASURED, NODE, PASSIVE, accepted, file, folder, place};
 
-const MEASURED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
-const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
 const SHORT: [&str; 2] = ["--set", "run={duration_s=1.0,settle_s=0.5}"];
 
 /// Collects errors from the beginning on.
@@ -61,7 +59,8 @@ window.addEventListener("load", () => setTimeout(() => {
 
 /// Opens a page and uses it; the number of its charts.
 #[track_caller]
-fn used(html: &Path) -> Vec<serde_json::Value> {
+fn used(html: impl AsRef<Path>) -> Vec<serde_json::Value> {
+    let html = html.as_ref();
     let page = std::fs::read_to_string(html).expect("the page");
     let watched = page.replacen("<head>", &format!("<head>{WATCH}"), 1) + USE;
     let watched = file(html.parent().expect("a folder"), "watched.html", watched);
@@ -97,9 +96,8 @@ fn tells(charts: &[serde_json::Value], parts: &[&str]) -> bool {
 #[test]
 #[ignore = "nightly: needs Chromium"]
 fn a_browser_draws_a_plot() {
-    let html = folder("page-plot").join("plot.html");
-    let path = html.to_str().expect("a plain path");
-    accepted(&[&["plot", PASSIVE, "--output", path], &SHORT[..]].concat());
+    let html = place(&folder("page-plot"), "plot.html");
+    accepted(&[&["plot", PASSIVE, "--output", &html], &SHORT[..]].concat());
     let charts = used(&html);
     // Gap, power and voltage over time, the spectrum, and the phase portrait.
     assert_eq!(charts.len(), 5);
@@ -114,13 +112,13 @@ fn a_browser_draws_a_sweep() {
     let path = folder.to_str().expect("a plain path");
     let one = ["--over", "excitation.frequency_hz=19:22:13", "--no-accuracy", "--output", path];
     accepted(&[&["sweep", PASSIVE], &one[..], &SHORT[..]].concat());
-    let charts = used(&folder.join("sweep.html"));
+    let charts = used(folder.join("sweep.html"));
     assert_eq!(charts.len(), 2);
     assert!(tells(&charts, &["excitation frequency: ", " Hz", "mean power: ", " µW"]), "{charts:?}");
     let two =
         [&["sweep", PASSIVE, "--over", "load.resistance_ohm=1e7:1e9:3:log"], &one[..], &SHORT[..]].concat();
     accepted(&two);
-    let charts = used(&folder.join("sweep.html"));
+    let charts = used(folder.join("sweep.html"));
     // Curves and map of mean power and RMS voltage.
     assert_eq!(charts.len(), 4);
     assert!(tells(&charts[..2], &["load.resistance_ohm = ", "RMS voltage: ", " V"]), "{charts:?}");
@@ -131,10 +129,9 @@ fn a_browser_draws_a_sweep() {
 #[test]
 #[ignore = "nightly: needs Chromium"]
 fn a_browser_draws_an_optimum() {
-    let folder = folder("page-optimise");
-    let html = folder.join("best.html");
-    let path = html.to_str().expect("a plain path");
-    let one = ["--over", "excitation.frequency_hz=18:22", "--grid", "9", "--steady-state", "--picture", path];
+    let html = place(&folder("page-optimise"), "best.html");
+    let one =
+        ["--over", "excitation.frequency_hz=18:22", "--grid", "9", "--steady-state", "--picture", &html];
     let command = ["optimise", MEASURED, "--maximise", "mean_power_w"];
     accepted(&[&command[..], &one[..]].concat());
     let charts = used(&html);
@@ -152,10 +149,8 @@ fn a_browser_draws_an_optimum() {
 #[test]
 #[ignore = "nightly: needs Chromium"]
 fn a_browser_draws_a_map() {
-    let folder = folder("page-map");
-    let html = folder.join("map.html");
-    let path = html.to_str().expect("a plain path");
-    let range = ["--amplitude", "0.5:3", "--frequency", "18:23", "--places", "30", "--picture", path];
+    let html = place(&folder("page-map"), "map.html");
+    let range = ["--amplitude", "0.5:3", "--frequency", "18:23", "--places", "30", "--picture", &html];
     let text = accepted(&[&["map", PASSIVE], &range[..]].concat());
     assert!(text.contains("largest_income_w ") && !text.contains("largest_income_a"), "{text}");
     let charts = used(&html);
@@ -168,8 +163,8 @@ fn a_browser_draws_a_map() {
 #[test]
 #[ignore = "nightly: needs Chromium"]
 fn a_browser_draws_a_fit() {
-    let html = folder("page-fit").join("fit.html");
-    accepted(&["fit", MEASURED, "--picture", html.to_str().expect("a plain path")]);
+    let html = place(&folder("page-fit"), "fit.html");
+    accepted(&["fit", MEASURED, "--picture", &html]);
     let charts = used(&html);
     // Voltage and gap, each with its residuals.
     assert_eq!(charts.len(), 4);
@@ -188,13 +183,13 @@ fn a_browser_draws_the_day_of_a_node_and_the_report() {
         assert!(command.current_dir(&folder).args(arguments).output().expect("it starts").status.success());
     };
     run(&["budget", NODE]);
-    let charts = used(&folder.join("report/budget.html"));
+    let charts = used(folder.join("report/budget.html"));
     assert!(
         charts.len() >= 3 && tells(&charts, &["hour of the day: ", "stored energy: ", " mJ"]),
         "{charts:?}"
     );
     run(&[]);
-    let charts = used(&folder.join("report/index.html"));
+    let charts = used(folder.join("report/index.html"));
     assert!(charts.len() >= 2, "{charts:?}");
     let parts =
         ["relative error of mean power: ", "host time per simulated second: ", " µs", "step or tolerance: "];
@@ -224,7 +219,7 @@ fn a_browser_draws_the_pages_of_hostile_names() {
         let told = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{arguments:?}: {told}");
         assert!(!told.contains('\u{1b}') && !output.stdout.contains(&0x1b), "{arguments:?}: {told}");
-        let found = used(&folder.join(page));
+        let found = used(folder.join(page));
         assert_eq!(found.len(), charts, "{arguments:?}: {found:?}");
     };
     let frequency = ["--over", "excitation.frequency_hz=18:22"];

@@ -1,21 +1,17 @@
 //! `plot`, `run --picture`, shell completions and `--quiet`.
 
-use super::tool::{PASSIVE, accepted, folder, host_bench, refused};
+use super::tool::{BEAM, PASSIVE, accepted, charts, folder, host_bench, json, place, printed, refused};
 
 const SHORT: [&str; 2] = ["--set", "run={duration_s=1.0,settle_s=0.5}"];
 
 #[test]
 fn a_plot_has_runs_and_traces() {
     let folder = folder("plot");
-    let place = |name: &str| folder.join(name).to_str().expect("a plain path").to_owned();
-    let (trace, svg) = (place("trace.csv"), place("plot.svg"));
-    let mut run = vec!["run", PASSIVE, "--no-accuracy", "--trace", &trace, "--trace-every", "1e-3"];
-    run.extend(SHORT);
-    accepted(&run);
-    let mut plot =
-        vec!["plot", PASSIVE, &trace, "--compare", "load.resistance_ohm=1e6,1e8", "--output", &svg];
-    plot.extend(SHORT);
-    assert_eq!(accepted(&plot).trim(), svg);
+    let [trace, svg] = ["trace.csv", "plot.svg"].map(|name| place(&folder, name));
+    let run = ["run", PASSIVE, "--no-accuracy", "--trace", &trace, "--trace-every", "1e-3"];
+    accepted(&[&run[..], &SHORT].concat());
+    let plot = ["plot", PASSIVE, &trace, "--compare", "load.resistance_ohm=1e6,1e8", "--output", &svg];
+    assert_eq!(accepted(&[&plot[..], &SHORT].concat()).trim(), svg);
     let picture = std::fs::read_to_string(&svg).expect("the picture");
     for text in [
         "contact-separation-passive.toml, exponential-radau: 50 µC/m², 1.962 m/s², 20.5 Hz",
@@ -29,10 +25,8 @@ fn a_plot_has_runs_and_traces() {
         assert!(picture.contains(text), "{text} is not in the picture");
     }
     // One quantity, one view.
-    let mut plot =
-        vec!["plot", PASSIVE, "--view", "history", "--quantity", "velocity_m_per_s", "--output", &svg];
-    plot.extend(SHORT);
-    accepted(&plot);
+    let plot = ["plot", PASSIVE, "--view", "history", "--quantity", "velocity_m_per_s", "--output", &svg];
+    accepted(&[&plot[..], &SHORT].concat());
     let picture = std::fs::read_to_string(&svg).expect("the picture");
     assert!(picture.contains("velocity [mm/s]") && !picture.contains("phase portrait"));
 }
@@ -52,11 +46,8 @@ fn a_bad_plot_is_refused_before_it_runs() {
 
 #[test]
 fn a_run_has_its_picture() {
-    let folder = folder("picture");
-    let svg = folder.join("run.svg").to_str().expect("a plain path").to_owned();
-    let mut run = vec!["run", PASSIVE, "--picture", &svg, "--format", "json"];
-    run.extend(SHORT);
-    let outcome: serde_json::Value = serde_json::from_str(&accepted(&run)).expect("an object");
+    let svg = place(&folder("picture"), "run.svg");
+    let outcome = json(&[&["run", PASSIVE, "--picture", &svg], &SHORT[..]].concat());
     assert!(outcome["accuracy"]["total"].is_number());
     assert!(std::fs::read_to_string(&svg).expect("the picture").contains("phase portrait"));
 }
@@ -68,9 +59,7 @@ fn shells_complete_commands_and_options() {
         assert!(script.contains(part) && script.contains("resonance"), "{shell}");
     }
     refused(&["completions", "csh"], &["csh", "bash"]);
-    let folder = folder("completions");
-    let script = folder.join("script");
-    std::fs::write(&script, accepted(&["completions", "bash"])).expect("room");
+    let script = super::tool::file(&folder("completions"), "script", accepted(&["completions", "bash"]));
     let asked = "source \"$0\"; COMP_WORDS=(host-bench fit --fr); COMP_CWORD=2; \
                  _host__bench host-bench --fr fit; echo \"${COMPREPLY[*]}\"";
     let output = std::process::Command::new("bash").args(["-c", asked]).arg(&script).output();
@@ -88,22 +77,18 @@ fn a_picture_that_is_no_picture_by_its_name_is_refused() {
 
 #[test]
 fn a_quiet_command_tells_warnings_only() {
-    let folder = folder("quiet");
-    let file = folder.join("sliding.toml").to_str().expect("a plain path").to_owned();
+    let file = place(&folder("quiet"), "sliding.toml");
     assert!(host_bench(&["--quiet", "new", "sliding", "--output", &file]).stderr.is_empty());
     let [duration, settle] = ["--set=run.duration_periods=4", "--set=run.settle_periods=1"];
-    let output = host_bench(&["run", "--quiet", &file, duration, settle]);
-    let told = String::from_utf8(output.stderr).expect("text");
+    let [_, told] = printed(&["run", "--quiet", &file, duration, settle]);
     assert!(told.lines().all(|line| line.starts_with("warning: ")), "{told}");
 }
 
 #[test]
 fn a_warning_of_several_runs_is_told_once() {
-    let picture = folder("plot-warnings").join("runs.svg");
-    let picture = picture.to_str().expect("a plain path");
-    let compare = ["--compare", "excitation.frequency_hz=20,20.2,20.4", "--output", picture];
-    let output = host_bench(&[&["plot", PASSIVE], &compare[..]].concat());
-    let told = String::from_utf8(output.stderr).expect("text");
+    let picture = place(&folder("plot-warnings"), "runs.svg");
+    let compare = ["--compare", "excitation.frequency_hz=20,20.2,20.4", "--output", &picture];
+    let [_, told] = printed(&[&["plot", PASSIVE], &compare[..]].concat());
     assert_eq!(told.matches("model: fringing").count(), 1, "{told}");
     assert!(told.contains("3 of 3 runs: model: fringing"), "{told}");
 }
@@ -111,12 +96,9 @@ fn a_warning_of_several_runs_is_told_once() {
 /// A beam without a stop has no contact force.
 #[test]
 fn nothing_that_is_not_there_is_drawn() {
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
     for name in ["none.svg", "none.html"] {
-        let file = folder("plot-none").join(name);
-        let short =
-            ["--set", "run={duration_s=0.1,settle_s=0.05}", "--output", file.to_str().expect("plain")];
-        accepted(&[&["plot", scene], &short[..]].concat());
+        let file = place(&folder("plot-none"), name);
+        accepted(&["plot", BEAM, "--set", "run={duration_s=0.1,settle_s=0.05}", "--output", &file]);
         let picture = std::fs::read_to_string(&file).expect("the picture");
         assert!(picture.contains("tip displacement") && !picture.contains("contact force"), "{name}");
         assert!(!picture.contains(">NaN<") && !picture.contains("[0,0,0,0,0"), "{name}");
@@ -126,15 +108,10 @@ fn nothing_that_is_not_there_is_drawn() {
 /// The voltage repeats with each period of 1/20.5 s: there is nothing between its harmonics but noise.
 #[test]
 fn a_periodic_motion_has_no_subharmonics() {
-    let page = folder("plot-spectrum").join("spectrum.html");
-    let set = ["--set", "load.resistance_ohm=10M"];
-    let drawn =
-        ["plot", PASSIVE, set[0], set[1], "--view", "spectrum", "--output", page.to_str().expect("plain")];
-    accepted(&drawn);
+    let page = place(&folder("plot-spectrum"), "spectrum.html");
+    accepted(&["plot", PASSIVE, "--set", "load.resistance_ohm=10M", "--view", "spectrum", "--output", &page]);
     let html = std::fs::read_to_string(&page).expect("the page");
-    let data =
-        html.split("const charts = ").nth(1).and_then(|rest| rest.split(";\n").next()).expect("charts");
-    let charts: serde_json::Value = serde_json::from_str(data).expect("JSON");
+    let charts = charts(&html);
     let numbers = |key: &str| -> Vec<f64> {
         let all = charts[0]["curves"][0][key].as_array().expect("a list");
         all.iter().map(|value| value.as_f64().expect("a number")).collect()

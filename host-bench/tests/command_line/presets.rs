@@ -1,6 +1,6 @@
 //! Parts by name.
 
-use super::tool::{accepted, refused_with};
+use super::tool::{NODE, json, refused, refused_with};
 
 const BRIDGE: &str = "capacitance_f=1e-4,initial_v=3.0";
 
@@ -57,10 +57,9 @@ fn a_charger_does_not_start_below_its_cold_start_voltage() {
 
 #[test]
 fn a_run_checks_a_node_and_goes_on_without_it() {
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
     let short = ["--set", "run.duration_s=0.3", "--set", "run.settle_s=0.1", "--tolerance", "1e-2"];
-    let run = |more: &[&'static str]| [&["run", scene, "--format", "json"], &short[..], more].concat();
-    let told: serde_json::Value = serde_json::from_str(&accepted(&run(&[]))).expect("one JSON object");
+    let run = |more: &[&'static str]| [&["run", NODE], &short[..], more].concat();
+    let told = json(&run(&[]));
     assert!(told["mean_power_w"].as_f64().is_some_and(|power| power > 0.0));
-    super::tool::refused(&run(&["--set", "node.update_s=7"]), &["node.update_s = 7", "must divide 86400"]);
+    refused(&run(&["--set", "node.update_s=7"]), &["node.update_s = 7", "must divide 86400"]);
 }

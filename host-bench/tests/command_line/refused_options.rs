@@ -5,7 +5,7 @@ use host_bench::method::Precision;
 use host_bench::reference::ReferenceOptions;
 use host_bench::scene_file::{read, shipped};
 
-use super::tool::{SHIPPED, accepted, folder, refused};
+use super::tool::{BUMP_STOP, MEASURED, NODE, SHIPPED, accepted, folder, refused};
 
 #[test]
 fn of_the_command_line_itself() {
@@ -63,8 +63,6 @@ fn of_a_run() {
     let left = std::fs::read_dir(&folder).expect("the folder").count();
     assert_eq!(left, 0, "nothing is written");
 }
-
-const BUMP_STOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
 
 #[test]
 fn that_the_method_or_the_scene_does_not_use() {
@@ -130,17 +128,15 @@ fn of_the_comparison_with_peers() {
 
 #[test]
 fn counts_have_bounds() {
-    let measured = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/measured/contact-separation.toml");
-    let node = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
     let map = ["map", SHIPPED, "--amplitude", "1:2", "--frequency", "19:20"];
     let best = ["optimise", SHIPPED, "--maximise", "mean_power_w", "--over", "load.resistance_ohm=1e6:1e8"];
     let resonance = ["resonance", SHIPPED, "--from", "10", "--to", "20"];
     for count in ["-1", "1000001", "1000000000000", "18446744073709551615", "18446744073709551616"] {
         let options: [(&[&str], &str, &str); 12] = [
             (&["attractors", SHIPPED], "--starts", "100000"),
-            (&["budget", node], "--learning-days", "366"),
-            (&["fit", measured], "--iterations", "1000"),
-            (&["fit", measured], "--starts", "1000"),
+            (&["budget", NODE], "--learning-days", "366"),
+            (&["fit", MEASURED], "--iterations", "1000"),
+            (&["fit", MEASURED], "--starts", "1000"),
             (&map, "--inputs", "100000"),
             (&map, "--places", "10000"),
             (&["on-target"], "--time-limit", "86400"),

@@ -1,8 +1,6 @@
 //! Keys that are misspelt, given twice, or of no use to the command; and files that are not TOML.
 
-use super::tool::{SHIPPED, accepted, file, folder, refused};
-
-const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
+use super::tool::{NODE, SHIPPED, accepted, file, folder, refused, set};
 
 #[test]
 fn a_misspelt_required_key_is_told_with_its_line() {
@@ -103,10 +101,8 @@ fn a_key_that_another_option_replaces() {
             ["--over load.resistance_ohm", "after --set load.resistance_ohm"],
         ),
     ] {
-        let sets = options.iter().flat_map(|change| ["--set", change]);
-        let arguments: Vec<&str> = [command, SHIPPED].into_iter().chain(sets).collect();
         let of_sweep = if command == "sweep" { &over[..] } else { &[] };
-        refused(&[&arguments[..], of_sweep].concat(), &parts);
+        refused(&[&[command, SHIPPED], &set(options)[..], of_sweep].concat(), &parts);
     }
     // A part of what was set before.
     let tones = "excitation={kind='sines',tones=[{amplitude_g=0.1,frequency_hz=20}]}";

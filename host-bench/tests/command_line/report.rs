@@ -2,18 +2,15 @@
 
 use std::fs::read_to_string;
 
-use super::tool::{PASSIVE, accepted, folder, refused};
+use super::tool::{BEAM, BUMP_STOP, NODE, PASSIVE, accepted, folder, place, refused};
 
-const BEAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
-const STOPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop.toml");
-const NODE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/node.toml");
 const SECTIONS: &str =
     "Scene,Resonance,Load curve,Motion,Margins to physical limits,Stress and life,Tolerance,Day of the node";
 
 /// The page of a scene, and the text of each section.
 fn sections(name: &str, arguments: &[&str]) -> (String, Vec<String>) {
-    let page = folder(&format!("report-{name}")).join("design.html");
-    let output = ["--samples", "20", "--output", page.to_str().expect("a plain path")];
+    let page = place(&folder(&format!("report-{name}")), "design.html");
+    let output = ["--samples", "20", "--output", &page];
     let printed = accepted(&[&["report"], arguments, &output].concat());
     assert!(printed.trim_end().ends_with("design.html"), "{printed}");
     let html = read_to_string(&page).expect("the page");
@@ -37,7 +34,7 @@ fn absent(texts: &[String]) -> Vec<&str> {
 fn a_beam_without_and_with_a_stop_has_its_sections() {
     for (name, scene, end) in [
         ("beam", BEAM, "run={duration_s=0.3,settle_s=0.2}"),
-        ("stop", STOPPED, "run={duration_s=0.02,settle_s=0.01}"),
+        ("stop", BUMP_STOP, "run={duration_s=0.02,settle_s=0.01}"),
     ] {
         let sets = ["--set", end, "--set", "parameters.beam_modes=1", "--precision", "f64"];
         let (html, texts) = sections(name, &[&[scene], &sets[..]].concat());

@@ -1,40 +1,33 @@
 //! Statistics over the seeds of a random excitation.
 
-use super::tool::{SHIPPED, accepted, outcome, refused};
+use super::tool::{SHIPPED, TRUCK, accepted, json, number, outcome, refused};
 
-const RANDOM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/contact-separation-truck.toml");
 const SHORT: [&str; 4] =
     ["--set=run.duration_s=0.6", "--set=run.settle_s=0.2", "--set=excitation.lines=64", "--tolerance=1e-4"];
 
 fn seeds<'a>(options: &[&'a str]) -> Vec<&'a str> {
-    [&["run", RANDOM], &SHORT[..], options].concat()
+    [&["run", TRUCK], &SHORT[..], options].concat()
 }
 
 #[test]
 fn the_statistics_are_those_of_the_runs_of_the_seeds() {
-    let options = ["--seeds=3", "--no-accuracy", "--set=excitation.seed=5", "--format=json"];
-    let text = accepted(&seeds(&options));
-    let found: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let found = json(&seeds(&["--seeds=3", "--no-accuracy", "--set=excitation.seed=5"]));
     assert_eq!(found["seeds"], serde_json::json!([5, 7]));
-    assert!((found["base_rms_m_per_s2"].as_f64().expect("a number") / 9.81 - 1.04).abs() < 0.005);
-    let alone = |seed: &str| {
-        let one = seeds(&["--no-accuracy", "--set", seed, "--format", "json"]);
-        let outcome: serde_json::Value = serde_json::from_str(&accepted(&one)).expect("JSON");
-        outcome["mean_power_w"].as_f64().expect("a number")
-    };
+    assert!((number(&found, "base_rms_m_per_s2") / 9.81 - 1.04).abs() < 0.005);
+    let alone = |seed: &str| number(&json(&seeds(&["--no-accuracy", "--set", seed])), "mean_power_w");
     let values = ["excitation.seed=5", "excitation.seed=6", "excitation.seed=7"].map(alone);
     let mean = values.iter().sum::<f64>() / 3.0;
     let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 2.0).sqrt();
     let power = &found["statistics"]["mean_power_w"];
     let close = |key: &str, expected: f64| {
-        let value = power[key].as_f64().expect("a number");
+        let value = number(power, key);
         assert!((value - expected).abs() < 1e-12 * mean, "{key}: {value} {expected}");
     };
     close("mean", mean);
     close("standard_deviation", deviation);
     close("largest", values.iter().copied().fold(0.0, f64::max));
     // Student's t of two degrees of freedom: 4.3027.
-    let half = power["confidence_high"].as_f64().expect("a number") - mean;
+    let half = number(power, "confidence_high") - mean;
     assert!((half / (4.302_653 * deviation / 3f64.sqrt()) - 1.0).abs() < 1e-6);
     assert_eq!(power["count"], 3);
     for key in ["rms_voltage_v", "peak_gap_m", "impacts"] {
@@ -72,9 +65,9 @@ fn what_has_no_seed_is_refused() {
 
 #[test]
 fn a_band_with_too_few_lines_is_warned_about() {
-    let warned = outcome(RANDOM, &["run.duration_s=0.1", "run.settle_s=0", "excitation.lines=64"]);
+    let warned = outcome(TRUCK, &["run.duration_s=0.1", "run.settle_s=0", "excitation.lines=64"]);
     let text = warned["warnings"].to_string();
     assert!(text.contains("excitation.lines = 64") && text.contains("half-power bandwidth"), "{text}");
-    let quiet = outcome(RANDOM, &["run.duration_s=0.1", "run.settle_s=0"]);
+    let quiet = outcome(TRUCK, &["run.duration_s=0.1", "run.settle_s=0"]);
     assert!(!quiet["warnings"].to_string().contains("excitation.lines"));
 }

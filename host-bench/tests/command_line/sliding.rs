@@ -1,9 +1,6 @@
 //! The sliding scene: what it refuses, what it prints, and how a run ends that cannot be finished.
 
-use super::tool::{accepted, file, folder, host_bench, number, outcome, refused, refused_scene};
-
-/// The sliding scene that is shipped.
-const SLIDING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/sliding.toml");
+use super::tool::{SLIDING, accepted, file, folder, host_bench, number, outcome, refused_scene, set};
 
 /// Two seconds of it.
 const SHORT: [&str; 2] = ["run.duration_s=2", "run.settle_s=1"];
@@ -48,7 +45,7 @@ fn a_trace_has_the_motion() {
     let folder = folder("sliding-trace");
     let trace = file(&folder, "trace.csv", "");
     let arguments = ["run", SLIDING, "--method", "reference", "--trace", &trace, "--trace-every", "0.01"];
-    accepted(&[&arguments[..], &["--set", SHORT[0], "--set", SHORT[1]]].concat());
+    accepted(&[&arguments[..], &set(&SHORT)].concat());
     let mut reader = csv::Reader::from_path(&trace).expect("the trace");
     let heading: Vec<String> = reader.headers().expect("a heading").iter().map(ToOwned::to_owned).collect();
     let expected =
@@ -65,35 +62,6 @@ fn a_trace_has_the_motion() {
 }
 
 #[test]
-fn numbers_out_of_their_bounds() {
-    for (key, values, bound) in [
-        ("parameters.beam_length_m", ["0", "-0.1", "11"], "from 1e-4 to 10"),
-        ("parameters.beam_width_m", ["0", "-0.1", "11"], "from 1e-5 to 10"),
-        ("parameters.beam_thickness_m", ["0", "-0.1", "2"], "from 1e-7 to 1"),
-        ("parameters.young_modulus_pa", ["0", "-1", "1e14"], "from 1e5 to 1e13"),
-        ("parameters.density_kg_per_m3", ["0", "-1", "1e6"], "from 1 to 1e5"),
-        ("parameters.damping_ratio", ["-1", "11", "nan"], "from 0 to 10"),
-        ("parameters.slider_mass_kg", ["0", "-1", "1e4"], "from 1e-12 to 1e3"),
-        ("parameters.patch_radius_m", ["0", "-1", "1.1"], "from 1e-6 to 1"),
-        ("parameters.static_friction_active", ["-0.1", "10.1", "inf"], "from 0 to 10"),
-        ("parameters.static_friction_inert", ["-0.1", "10.1", "nan"], "from 0 to 10"),
-        ("parameters.kinetic_friction_active", ["-0.1", "10.1", "true"], "from 0 to 10"),
-        ("parameters.kinetic_friction_inert", ["-0.1", "10.1", "{}"], "from 0 to 10"),
-        ("parameters.dielectric_thickness_m", ["0", "-1", "0.2"], "from 1e-9 to 0.1"),
-        ("parameters.relative_permittivity", ["0", "0.9", "1e6"], "from 1 to 1e5"),
-        ("parameters.charge_density_c_per_m2", ["-1e-6", "0.011", "inf"], "from 0 to 0.01"),
-        ("initial.displacement_m", ["-2.1", "2.1", "nan"], "from -2 to 2"),
-        ("initial.velocity_m_per_s", ["-1001", "1001", "nan"], "from -1e3 to 1e3"),
-        ("initial.charge_c", ["-1.1", "1.1", "nan"], "from -1 to 1"),
-    ] {
-        for value in values {
-            let shown = if value == "{}" { "a " } else { value };
-            refused_with(&[&format!("{key}={value}")], &[SLIDING, key, shown, bound]);
-        }
-    }
-}
-
-#[test]
 fn words_and_flags_that_are_none() {
     for value in ["1", "\"yes\"", "[]"] {
         let change = format!("parameters.lateral_force={value}");
@@ -103,28 +71,6 @@ fn words_and_flags_that_are_none() {
     refused_with(&["parameters.stick_charge=free"], &["stick_charge", "\"frozen\" or \"relaxing\""]);
     refused_with(&["parameters.mass_kg=1"], &["parameters.mass_kg", "unknown key"]);
     refused_with(&["initial.gap_m=1e-3"], &["initial.gap_m", "unknown key", "displacement_m"]);
-}
-
-#[test]
-fn a_missing_key_is_named() {
-    let shipped = std::fs::read_to_string(SLIDING).expect("the shipped scene");
-    let folder = folder("sliding-missing-keys");
-    let start = shipped.find("[parameters]").expect("the table is there");
-    let keys: Vec<&str> = shipped[start..]
-        .lines()
-        .skip(1)
-        .take_while(|line| !line.starts_with('['))
-        .filter_map(|line| line.split_once(" = "))
-        .map(|(key, _)| key)
-        .collect();
-    assert_eq!(keys.len(), 18);
-    for key in keys {
-        let without: String =
-            shipped.lines().filter(|line| !line.starts_with(key)).map(|line| format!("{line}\n")).collect();
-        let scene = file(&folder, "scene.toml", without);
-        let name = format!("parameters.{key}");
-        refused(&["run", &scene, "--method", "reference"], &[&scene, &name, "is missing"]);
-    }
 }
 
 #[test]

@@ -1,13 +1,11 @@
 //! Every output that names numbers of runs has their accuracy statement and their warnings, in each format.
 
-use super::tool::{SHIPPED, accepted, file, folder};
-
-const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/");
+use super::tool::{NODE, SHIPPED, TRUCK, accepted, file, folder, json, place};
 
 #[track_caller]
 fn states(arguments: &[&str]) {
     let of = |format| accepted(&[arguments, &["--format", format]].concat());
-    let found: serde_json::Value = serde_json::from_str(&of("json")).expect("an object");
+    let found = json(arguments);
     assert!(found["accuracy"]["total"].as_f64().is_some_and(|total| total > 0.0), "{}", found["accuracy"]);
     // The force law of the shipped scene creates energy, or loses it.
     assert!(found["warnings"].to_string().contains("s energy: created_energy_j"), "{}", found["warnings"]);
@@ -26,18 +24,16 @@ fn an_optimum_a_tolerance_a_resonance_and_seeds_have_a_statement() {
     states(&[&vary[..], &short].concat());
     let range = ["resonance", SHIPPED, "--from", "19", "--to", "21", "--points", "5"];
     states(&[&range[..], &["--set", "excitation.amplitude_g=0.02"]].concat());
-    let truck = format!("{SCENES}contact-separation-truck.toml");
     let few = ["--set", "excitation.lines=64", "--set", "run={duration_s=2,settle_s=1}"];
-    states(&[&["run", &truck, "--seeds", "3"], &few[..]].concat());
+    states(&[&["run", TRUCK, "--seeds", "3"], &few[..]].concat());
 }
 
 #[test]
 fn a_day_a_map_and_a_fit_have_a_statement() {
     let law = ["--set", "parameters.force_law=transferred-charge"];
     let folder = folder("statements");
-    let picture = folder.join("day.svg");
-    let node = format!("{SCENES}node.toml");
-    let day = ["budget", &node, "--svg", picture.to_str().expect("a plain path")];
+    let picture = place(&folder, "day.svg");
+    let day = ["budget", NODE, "--svg", &picture];
     states(&[&day[..], &["--set", "run={duration_s=3,settle_s=2}"], &law].concat());
     let map = ["map", SHIPPED, "--amplitude", "0.2:0.5", "--frequency", "20:21", "--places", "30"];
     states(&map);

@@ -1,44 +1,32 @@
 //! The steady state by shooting: `--steady-state` and `resonance`.
 
-use super::tool::{SHIPPED, accepted, file, folder, host_bench, refused};
+use super::tool::{BEAM, RECTIFIED, SHIPPED, accepted, file, folder, json, number, printed, refused, rows};
 
-const RECTIFIED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/rectified.toml");
-const BEAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
 /// A fast core, and a short run for where there is no orbit.
 const FAST: [&str; 6] = ["--tolerance", "1e-3", "--set", "run.duration_s=1", "--set", "run.settle_s=0.5"];
 
 #[test]
 fn a_run_tells_how_its_steady_state_was_found() {
-    let arguments = [&["run", SHIPPED, "--steady-state", "--format", "json"], &FAST[..]].concat();
-    let found: serde_json::Value = serde_json::from_str(&accepted(&arguments)).expect("one JSON object");
+    let found = json(&[&["run", SHIPPED, "--steady-state"], &FAST[..]].concat());
     assert_eq!(found["steady_state"], "stable-period-1");
     assert_eq!(found["impacts_per_period"].as_f64().map(f64::round), Some(1.0));
-    let window =
-        found["duration_s"].as_f64().expect("a number") - found["settle_s"].as_f64().expect("a number");
+    let window = number(&found, "duration_s") - number(&found, "settle_s");
     assert!((window * 20.0 - 1.0).abs() < 1e-9, "one period of 20 Hz, not {window} s");
-    let plain = [&["run", SHIPPED, "--format", "json"], &FAST[..]].concat();
-    let plain: serde_json::Value = serde_json::from_str(&accepted(&plain)).expect("one JSON object");
+    let plain = json(&[&["run", SHIPPED], &FAST[..]].concat());
     assert!(plain.get("steady_state").is_none());
 }
 
 #[test]
 fn a_sweep_has_the_verdict_as_a_column_and_tells_its_price() {
     let grid = ["sweep", SHIPPED, "--over", "excitation.frequency_hz=19.1:20.1:2", "--steady-state"];
-    let output = host_bench(&[&grid[..], &FAST[..], &["--compare", "--format", "csv"]].concat());
-    let told = String::from_utf8(output.stderr).expect("text");
-    assert_eq!(output.status.code(), Some(0), "{told}");
+    let [found, told] = printed(&[&grid[..], &FAST[..], &["--compare", "--format", "csv"]].concat());
     assert!(told.contains("1 of 2 points") && told.contains("times as long"), "{told}");
-    let mut reader = csv::Reader::from_reader(&output.stdout[..]);
-    let column = |name: &str, heading: &csv::StringRecord| {
-        heading.iter().position(|head| head == name).unwrap_or_else(|| panic!("no column {name}"))
-    };
-    let heading = reader.headers().expect("a heading").clone();
-    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
-    let verdicts: Vec<&str> = rows.iter().map(|row| &row[column("steady_state", &heading)]).collect();
+    let rows = rows(&found);
+    let verdicts: Vec<&str> = rows.iter().map(|row| row["steady_state"].as_str()).collect();
     assert!(["unstable-period-1", "none"].contains(&verdicts[0]), "{verdicts:?}");
     assert_eq!(verdicts[1], "stable-period-1");
     // Without an orbit the window is that of the scene.
-    assert_eq!(&rows[0][column("settle_s", &heading)], "0.5");
+    assert_eq!(rows[0]["settle_s"], "0.5");
     let table = accepted(&[&grid[..], &FAST[..]].concat());
     assert!(table.lines().next().is_some_and(|heading| heading.contains("steady_state")), "{table}");
 }
@@ -47,9 +35,8 @@ fn a_sweep_has_the_verdict_as_a_column_and_tells_its_price() {
 fn the_resonance_is_printed() {
     let range = ["resonance", SHIPPED, "--from", "19.3", "--to", "19.6", "--points", "7"];
     let small = ["--set", "excitation.amplitude_g=0.005", "--set", "load.resistance_ohm=1e6"];
-    let text = accepted(&[&range[..], &small[..], &["--tolerance", "1e-3", "--format", "json"]].concat());
-    let found: serde_json::Value = serde_json::from_str(&text).expect("one JSON object");
-    let frequency = found["peak_frequency_hz"].as_f64().expect("a number");
+    let found = json(&[&range[..], &small[..], &["--tolerance", "1e-3"]].concat());
+    let frequency = number(&found, "peak_frequency_hz");
     assert!((frequency - 19.4477).abs() < 2e-3, "{frequency}");
     assert_eq!(found["peak_at_edge"], false);
     assert!(found["max_rms_voltage_v"].as_f64().is_some_and(|voltage| voltage > 0.0));
@@ -60,18 +47,14 @@ fn the_resonance_is_printed() {
 fn the_resonance_behind_a_bridge_is_that_at_a_held_voltage() {
     let range =
         ["resonance", RECTIFIED, "--from", "18", "--to", "19.4", "--points", "7", "--tolerance", "1e-3"];
-    let held = ["--storage-voltage", "2", "--set", "excitation.amplitude_g=0.05", "--format", "json"];
-    let found: serde_json::Value =
-        serde_json::from_str(&accepted(&[&range[..], &held[..]].concat())).expect("one JSON object");
-    let number = |key: &str| found[key].as_f64().unwrap_or_else(|| panic!("no {key}: {found}"));
-    let ratio = number("max_mean_power_w") / number("max_mean_power_current_a");
+    let held = ["--storage-voltage", "2", "--set", "excitation.amplitude_g=0.05"];
+    let found = json(&[&range[..], &held[..]].concat());
+    let ratio = number(&found, "max_mean_power_w") / number(&found, "max_mean_power_current_a");
     assert!((ratio - 2.0).abs() < 1e-6, "{found}");
     refused(&range, &["rectified.toml", "load.kind", "--storage-voltage"]);
     refused(&["run", RECTIFIED, "--storage-voltage", "2"], &["--storage-voltage", "--steady-state"]);
-    let run =
-        ["run", RECTIFIED, "--storage-voltage", "2", "--steady-state", "--no-accuracy", "--format", "json"];
-    let found: serde_json::Value =
-        serde_json::from_str(&accepted(&[&run[..], &FAST[..]].concat())).expect("one JSON object");
+    let run = ["run", RECTIFIED, "--storage-voltage", "2", "--steady-state", "--no-accuracy"];
+    let found = json(&[&run[..], &FAST[..]].concat());
     assert_eq!((&found["steady_state"], &found["store_voltage_v"]), (&"stable-period-1".into(), &2.0.into()));
     assert!(found["mean_store_current_a"].as_f64().is_some_and(|current| current > 0.0));
 }
@@ -80,10 +63,8 @@ fn the_resonance_behind_a_bridge_is_that_at_a_held_voltage() {
 #[test]
 fn the_resonances_with_short_circuited_and_open_terminals_are_compared() {
     let range = ["resonance", BEAM, "--short-open", "--from", "237", "--to", "248", "--points", "8"];
-    let few = ["--set", "parameters.beam_modes=1", "--format", "json"];
-    let found: serde_json::Value =
-        serde_json::from_str(&accepted(&[&range[..], &few[..]].concat())).expect("one JSON object");
-    let number = |key: &str| found[key].as_f64().unwrap_or_else(|| panic!("no {key}: {found}"));
+    let found = json(&[&range[..], &["--set", "parameters.beam_modes=1"]].concat());
+    let number = |key: &str| number(&found, key);
     // ω² + θ²/C, with θ = 0.04149795 and C = 15.93 nF.
     let natural = 239.705_436_f64;
     let open = (natural.powi(2) + (0.041_497_95 / std::f64::consts::TAU).powi(2) / 15.93e-9).sqrt();

@@ -1,17 +1,16 @@
 //! A run that cannot be finished: an explicit method with a step a thousand times too long for the load; and
 //! one that should not be believed.
 
-use super::tool::{SHIPPED, folder, host_bench};
+use super::tool::{SHIPPED, folder, host_bench, json_and_told, number, place, rows};
 
 const BLOWS_UP: [&str; 4] = ["--method", "rk4", "--step", "1e-3"];
 
 #[test]
 fn a_run_ends_with_code_3_and_one_line() {
     let folder = folder("step-error");
-    let trace = folder.join("trace.csv");
-    let trace = trace.to_str().expect("a plain path");
+    let trace = place(&folder, "trace.csv");
     let more =
-        ["--set", "load.resistance_ohm=1e3", "--format", "json", "--trace", trace, "--trace-every", "0.01"];
+        ["--set", "load.resistance_ohm=1e3", "--format", "json", "--trace", &trace, "--trace-every", "0.01"];
     let output = host_bench(&[&["run", SHIPPED], &BLOWS_UP[..], &more[..]].concat());
     let told = String::from_utf8(output.stderr).expect("text");
     assert_eq!(output.status.code(), Some(3), "{told}");
@@ -28,20 +27,17 @@ fn a_run_ends_with_code_3_and_one_line() {
 #[test]
 fn a_run_whose_energy_ledger_does_not_close_warns() {
     let run = |step| {
-        let span =
-            ["--set", "run.duration_s=1", "--set", "run.settle_s=0", "--format", "json", "--no-accuracy"];
+        let span = ["--set", "run.duration_s=1", "--set", "run.settle_s=0", "--no-accuracy"];
         let method = ["--method", "tr-bdf2", "--step", step, "--set", "load.resistance_ohm=1e7"];
-        let output = host_bench(&[&["run", SHIPPED], &method[..], &span[..]].concat());
-        assert_eq!(output.status.code(), Some(0));
-        let outcome: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
-        let residual = outcome["energy_residual"].as_f64().expect("a number");
+        let (outcome, told) = json_and_told(&[&["run", SHIPPED], &method[..], &span[..]].concat());
+        let residual = number(&outcome, "energy_residual");
         let warnings = outcome["warnings"].as_array().expect("a list");
         let of_accuracy = |warning: &&serde_json::Value| {
             warning.as_str().is_some_and(|warning| warning.starts_with("accuracy: energy_residual = "))
         };
         let count = warnings.iter().filter(of_accuracy).count();
         assert_eq!(count, usize::from(residual > 1e-2), "{warnings:?}");
-        (residual, String::from_utf8(output.stderr).expect("text"))
+        (residual, told)
     };
     let (residual, told) = run("3e-3");
     assert!(residual > 1e-2);
@@ -70,13 +66,10 @@ fn a_sweep_keeps_the_points_that_got_to_the_end() {
     ];
     let lines: Vec<&str> = told.lines().collect();
     assert!(lines.len() == 3 && lines.iter().zip(parts).all(|(line, part)| line.contains(part)), "{told}");
-    let mut reader = csv::Reader::from_reader(&output.stdout[..]);
-    let heading = reader.headers().expect("a heading").clone();
-    let column = |name: &str| heading.iter().position(|head| head == name).expect("a column");
-    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
+    let rows = rows(&String::from_utf8(output.stdout).expect("text"));
     assert_eq!(rows.len(), 3);
     for (row, failed) in rows.iter().zip([true, true, false]) {
-        assert_eq!(row[column("mean_power_w")].is_empty(), failed);
-        assert_eq!(row[column("error")].contains(" at 0.00"), failed);
+        assert_eq!(row["mean_power_w"].is_empty(), failed);
+        assert_eq!(row["error"].contains(" at 0.00"), failed);
     }
 }

@@ -1,22 +1,19 @@
 //! The comparison of a bump-stop scene with and without its stop.
 
-use super::tool::{SHIPPED, accepted, number, refused};
+use serde_json::Value;
 
-const TIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-tip.toml");
-const NONE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
-const LOADED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-tip-mass.toml");
+use super::tool::{BEAM, LOADED, SHIPPED, TIP, accepted, json, number, refused};
 
 const SHORT: [&str; 6] =
     ["--set", "parameters.beam_modes=4", "--set", "run.duration_s=0.2", "--set", "run.settle_s=0.1"];
 
 /// Rows of runs in the default steps.
-fn rows(arguments: &[&str]) -> Vec<serde_json::Value> {
+fn rows(arguments: &[&str]) -> Vec<Value> {
     stated(&[arguments, &["--no-accuracy"]].concat())
 }
 
-fn stated(arguments: &[&str]) -> Vec<serde_json::Value> {
-    let arguments = [arguments, &SHORT, &["--format", "json"]].concat();
-    serde_json::from_str(&accepted(&arguments)).expect("a list")
+fn stated(arguments: &[&str]) -> Vec<Value> {
+    json(&[arguments, &SHORT].concat()).as_array().expect("a list").clone()
 }
 
 /// One run without the stop for all positions: that of the scene that is shipped without it.
@@ -25,11 +22,10 @@ fn each_position_stands_beside_the_run_without_a_stop() {
     let set = ["--set", "stop.rod_modes=1", "--over", "stop.position_m=25e-3:50e-3:2"];
     let found = rows(&[&["stop", TIP][..], &set].concat());
     let [free, middle, tip] = &found[..] else { panic!("three rows: {found:?}") };
-    assert_eq!(free["stop.position_m"], serde_json::Value::Null);
+    assert_eq!(free["stop.position_m"], Value::Null);
     assert_eq!([number(middle, "stop.position_m"), number(tip, "stop.position_m")], [25e-3, 50e-3]);
-    let options = ["--step", "1e-6", "--long-step", "2e-5", "--no-accuracy", "--format", "json"];
-    let run = accepted(&[&["run", NONE][..], &SHORT, &options].concat());
-    let run: serde_json::Value = serde_json::from_str(&run).expect("an object");
+    let options = ["--step", "1e-6", "--long-step", "2e-5", "--no-accuracy"];
+    let run = json(&[&["run", BEAM][..], &SHORT, &options].concat());
     for key in ["clamp_stress_peak_pa", "clamp_stress_equivalent_range_pa", "mean_power_w"] {
         assert_eq!(free[key], run[key], "{key}");
     }
@@ -46,7 +42,7 @@ fn each_position_stands_beside_the_run_without_a_stop() {
         }
         assert!(number(row, "contacts_per_period") > 1.0);
     }
-    assert_eq!(free["clamp_stress_peak_saved"], serde_json::Value::Null);
+    assert_eq!(free["clamp_stress_peak_saved"], Value::Null);
 }
 
 /// A key that is not of the stop has a run without it at each of its values.
@@ -79,10 +75,7 @@ fn the_error_of_the_power_and_the_changes_of_the_stresses_are_those_of_run() {
     let steps = |short: &'static str, long: &'static str| ["--step", short, "--long-step", long];
     let found = stated(&[&["stop", LOADED][..], &steps("2e-6", "4e-5")].concat());
     let [_, stopped] = &found[..] else { panic!("two rows: {found:?}") };
-    let run = |more: &[&str]| -> serde_json::Value {
-        let arguments = [&["run", LOADED][..], &SHORT, &["--format", "json"], more].concat();
-        serde_json::from_str(&accepted(&arguments)).expect("an object")
-    };
+    let run = |more: &[&str]| json(&[&["run", LOADED][..], &SHORT, more].concat());
     let whole = run(&steps("2e-6", "4e-5"));
     assert_eq!(stopped["mean_power_error"], whole["accuracy"]["total"]);
     assert!(number(stopped, "mean_power_error") > 1e-5);
@@ -103,7 +96,7 @@ fn the_error_of_the_power_and_the_changes_of_the_stresses_are_those_of_run() {
 #[test]
 fn what_has_no_stop_or_no_bending_is_refused() {
     refused(&["stop", SHIPPED], &["must be a bump-stop scene"]);
-    refused(&["stop", NONE], &["stop", "is missing"]);
+    refused(&["stop", BEAM], &["stop", "is missing"]);
     refused(&["stop", TIP, "--over", "stop.gap_m=1e-5:2e-5"], &["--over", "COUNT"]);
     refused(&["stop", TIP, "--over", "stop.gap_m=-1:1:2"], &["stop.gap_m", "0 to 1"]);
     let method = ["stop", TIP, "--method", "newmark"];

@@ -1,8 +1,21 @@
 //! Grids.
 
-use super::tool::{PASSIVE, SHIPPED, accepted, folder, host_bench, outcome, refused};
+use std::collections::BTreeMap;
+
+use super::tool::{
+    PASSIVE, SHIPPED, accepted, file, folder, json, number, outcome, place, printed, refused, rows,
+};
 
 const SHORT: [&str; 4] = ["--set", "run.duration_s=0.5", "--set", "run.settle_s=0.3"];
+
+/// The rows without their run times.
+fn without_time(text: &str) -> Vec<BTreeMap<String, String>> {
+    let mut rows = rows(text);
+    for row in &mut rows {
+        row.remove("processor_s").expect("a column");
+    }
+    rows
+}
 
 const SHORT_RUN: [&str; 2] = ["--set", "run={duration_s=3.0,settle_s=2.0}"];
 
@@ -18,28 +31,16 @@ fn a_grid_has_a_row_for_each_point_and_a_picture() {
     let over = ["--over=load.resistance_ohm=1e6:1e8:3:log", "--over=excitation.frequency_hz=19:20:2"];
     let text = accepted(&sweep(&[over[0], over[1], "--output", path, "--format=csv"]));
     let written = std::fs::read_to_string(output.join("sweep.csv")).expect("the table");
-    let without_time = |text: &str| {
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let time = reader.headers().expect("a heading").iter().position(|name| name == "processor_s");
-        let rows = reader.records().map(|row| {
-            let row = row.expect("a row");
-            let cells = row.iter().enumerate().filter(|(index, _)| Some(*index) != time);
-            cells.map(|(_, cell)| cell.to_owned()).collect::<Vec<_>>()
-        });
-        rows.collect::<Vec<_>>()
-    };
     assert_eq!(without_time(&text), without_time(&written));
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let heading = reader.headers().expect("a heading").clone();
-    let column = |name: &str| heading.iter().position(|head| head == name).expect("a column");
-    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
-    let points: Vec<(&str, &str)> = rows.iter().map(|row| (&row[0], &row[1])).collect();
-    assert_eq!(points.len(), 6);
-    assert_eq!((points[0], points[1]), (("1000000.0", "19.0"), ("1000000.0", "20.0")));
-    assert_eq!(points[5], ("100000000.0", "20.0"));
+    let rows = rows(&text);
+    let cell = |at: usize, name: &str| rows[at][name].as_str();
+    let point = |at: usize| (cell(at, "load.resistance_ohm"), cell(at, "excitation.frequency_hz"));
+    assert_eq!(rows.len(), 6);
+    assert_eq!((point(0), point(1)), (("1000000.0", "19.0"), ("1000000.0", "20.0")));
+    assert_eq!(point(5), ("100000000.0", "20.0"));
     // The last point is the run of that point.
     let alone = outcome(SHIPPED, &["run.duration_s=0.5", "run.settle_s=0.3"]);
-    let power: f64 = rows[5][column("mean_power_w")].parse().expect("a number");
+    let power: f64 = cell(5, "mean_power_w").parse().expect("a number");
     assert_eq!(Some(power), alone["mean_power_w"].as_f64());
     let picture = std::fs::read_to_string(output.join("sweep.svg")).expect("the picture");
     assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
@@ -56,8 +57,7 @@ fn one_axis_makes_curves() {
     let folder = folder("curve");
     let path = folder.to_str().expect("a plain path");
     let over = "parameters.charge_density_c_per_m2=1e-5:3e-5:3";
-    let text = accepted(&sweep(&["--over", over, "--output", path, "--format", "json"]));
-    let points: serde_json::Value = serde_json::from_str(&text).expect("a JSON array");
+    let points = json(&sweep(&["--over", over, "--output", path]));
     let found: Vec<f64> = points
         .as_array()
         .expect("an array")
@@ -66,7 +66,7 @@ fn one_axis_makes_curves() {
         .collect();
     assert_eq!(found.len(), 3);
     assert!(found[0] < found[1] && found[1] < found[2]);
-    let middle = points[1]["parameters.charge_density_c_per_m2"].as_f64().expect("a number");
+    let middle = number(&points[1], "parameters.charge_density_c_per_m2");
     assert!((middle / 2e-5 - 1.0).abs() < 1e-14);
     let picture = std::fs::read_to_string(folder.join("sweep.svg")).expect("the picture");
     assert!(picture.matches("<polyline").count() > 2);
@@ -81,11 +81,7 @@ fn each_point_states_its_accuracy_unless_told_not_to() {
     let over = ["--over", "load.resistance_ohm=1e7:1e8:2:log", "--format", "csv"];
     let stated = |options: &[&str]| -> Vec<f64> {
         let text = accepted(&[&["sweep", SHIPPED], &SHORT[..], &over, options].concat());
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let heading = reader.headers().expect("a heading").clone();
-        let column = heading.iter().position(|name| name == "accuracy_total").expect("a column");
-        let cells = reader.records().map(|row| row.expect("a row")[column].parse());
-        cells.filter_map(Result::ok).collect()
+        rows(&text).iter().filter_map(|row| row["accuracy_total"].parse().ok()).collect()
     };
     let totals = stated(&[]);
     assert!(totals.len() == 2 && totals.iter().all(|total| (1e-5..5e-3).contains(total)), "{totals:?}");
@@ -99,7 +95,8 @@ fn each_point_states_its_accuracy_unless_told_not_to() {
 fn the_best_point_is_told_with_its_stated_error_and_is_doubted_where_its_motion_has_no_period() {
     let told = |over: &str, options: &[&str]| {
         let arguments = [&["sweep", PASSIVE, "--over", over], options].concat();
-        String::from_utf8(host_bench(&arguments).stderr).expect("text")
+        let [_, told] = printed(&arguments);
+        told
     };
     let chaotic = told("excitation.frequency_hz=20.04:20.07:4", &["--no-accuracy"]);
     assert!(chaotic.contains("warning: the best point has no steady motion of one period"), "{chaotic}");
@@ -117,13 +114,10 @@ fn the_best_point_is_told_with_its_stated_error_and_is_doubted_where_its_motion_
 
 #[test]
 fn a_folder_that_is_named_as_a_file_is_refused() {
-    let output = folder("named-as-a-file").join("sw.csv");
-    let path = output.to_str().expect("a plain path");
-    refused(
-        &sweep(&["--over", "load.resistance_ohm=1e6:1e8:3:log", "--output", path]),
-        &["--output", "sw.csv", "must be a folder"],
-    );
-    assert!(!output.exists());
+    let folder = folder("named-as-a-file");
+    let options = ["--over", "load.resistance_ohm=1e6:1e8:3:log", "--output", &place(&folder, "sw.csv")];
+    refused(&sweep(&options), &["--output", "sw.csv", "must be a folder"]);
+    assert!(!folder.join("sw.csv").exists());
 }
 
 #[test]
@@ -152,7 +146,7 @@ fn a_bad_grid_is_refused_and_nothing_is_written() {
         assert!(!output.exists(), "{over:?} wrote something");
     }
     refused(&sweep(&[]), &["--over"]);
-    let taken = super::tool::file(&folder, "taken", "");
+    let taken = file(&folder, "taken", "");
     let axis = ["--over", "load.resistance_ohm=1:2:2", "--output", &taken];
     refused(&sweep(&axis), &["--output", "must be a folder"]);
 }
@@ -196,23 +190,10 @@ fn an_interrupted_sweep_goes_on_from_its_points() {
     let resumed = accepted(&grid);
     assert_eq!(resumed.lines().count(), whole.lines().count());
     // The point that was done is not run again; the others are those of the whole sweep.
-    let without_time = |text: &str| -> Vec<Vec<String>> {
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let time = reader.headers().expect("a heading").iter().position(|name| name == "processor_s");
-        let rows = reader.records().map(|row| row.expect("a row"));
-        rows.map(|row| {
-            row.iter()
-                .enumerate()
-                .filter(|(at, _)| Some(*at) != time)
-                .map(|(_, cell)| cell.to_owned())
-                .collect()
-        })
-        .collect()
-    };
     let (one, other) = (without_time(&whole), without_time(&resumed));
     let differing: Vec<usize> = (0..one.len()).filter(|row| one[*row] != other[*row]).collect();
     assert_eq!(differing.len(), 1, "{differing:?}");
-    assert!(other[differing[0]].iter().any(|cell| cell.starts_with("7000000")), "{other:?}");
+    assert!(other[differing[0]]["steps"].starts_with("7000000"), "{other:?}");
     // Points of another sweep are refused.
     std::fs::write(folder.join("sweep.rows.jsonl"), format!("{}\n", lines[0])).expect("rows");
     let another = sweep(&["--over", "load.resistance_ohm=1e6:1e8:2", "--output", path]);

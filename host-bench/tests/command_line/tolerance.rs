@@ -5,10 +5,9 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use super::tool::{accepted, file, folder, refused};
+// A beam without a stop: its power is proportional to the square of the acceleration.
+use super::tool::{BEAM as LINEAR, accepted, file, folder, json as any_json, json_and_told, refused, rows};
 
-/// A beam without a stop: its power is proportional to the square of the acceleration.
-const LINEAR: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/bump-stop-none.toml");
 const FAST: [&str; 4] = ["--no-accuracy", "--steady-state", "--set", "parameters.beam_modes=1"];
 const AMPLITUDE: &str = "excitation.amplitude_m_per_s2";
 
@@ -17,15 +16,12 @@ fn tolerance<'a>(options: &[&'a str]) -> Vec<&'a str> {
 }
 
 fn json(options: &[&str]) -> Value {
-    let text = accepted(&[&tolerance(options)[..], &["--format", "json"]].concat());
-    serde_json::from_str(&text).expect("an object")
+    any_json(&tolerance(options))
 }
 
 /// A column of the samples, behind the row of the scene itself.
 fn column(text: &str, name: &str) -> Vec<f64> {
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let at = reader.headers().expect("a heading").iter().position(|head| head == name).expect(name);
-    reader.records().skip(1).map(|row| row.expect("a row")[at].parse().expect("a number")).collect()
+    rows(text).iter().skip(1).map(|row| row[name].parse().expect("a number")).collect()
 }
 
 fn named<'a>(list: &'a Value, name: &str) -> &'a Value {
@@ -119,11 +115,8 @@ fn keys_stand_in_the_order_in_which_they_matter() {
     // A resonance in the middle of its tolerance: the power falls to both sides, which no line explains.
     let tuned = ["--set", "excitation.frequency_hz=245.3", "--vary", "excitation.frequency_hz=±1.5%"];
     let message = "warning: sensitivities: a linear fit explains";
-    let output =
-        super::tool::host_bench(&[&tolerance(&tuned[..2])[..], &tuned[2..], &["--format", "json"]].concat());
-    let printed = String::from_utf8(output.stderr).expect("text");
+    let (found, printed) = json_and_told(&tolerance(&tuned));
     assert!(printed.contains(message), "{printed}");
-    let found: Value = serde_json::from_slice(&output.stdout).expect("an object");
     assert!(found["keys"][0]["variance_share"].as_f64() > Some(0.7), "{}", found["keys"]);
     assert!(
         named(&found["statistics"], "median")["value"].as_f64()

@@ -1,15 +1,37 @@
 //! Runs the binary.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The scene that is shipped.
-pub(super) const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/contact-separation.toml");
+use serde_json::Value;
 
-/// The same harvester under the force of the field, which conserves energy.
-pub(super) const PASSIVE: &str =
-    concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/contact-separation-passive.toml");
+/// The paths of shipped scenes.
+macro_rules! scenes {
+    ($($name:ident $file:literal)+) => {
+        $(pub(super) const $name: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/", $file, ".toml");)+
+    };
+}
+scenes! {
+    SHIPPED "contact-separation"
+    // The same harvester under the force of the field, which conserves energy.
+    PASSIVE "contact-separation-passive"
+    TRUCK "contact-separation-truck"
+    RECTIFIED "rectified"
+    SLIDING "sliding"
+    BUMP_STOP "bump-stop"
+    TIP "bump-stop-tip"
+    MID_SPAN "bump-stop-mid-span"
+    // Without a stop.
+    BEAM "bump-stop-none"
+    LOADED "bump-stop-tip-mass"
+    BIMORPH "bimorph-erturk-inman"
+    NODE "node"
+    // Measurements that SciPy made, and those of a program with one mode of the beam and a spring.
+    MEASURED "measured/contact-separation"
+    STOPPED "measured/bump-stop"
+}
 
 /// A fresh folder for one test.
 pub(super) fn folder(name: &str) -> PathBuf {
@@ -22,9 +44,19 @@ pub(super) fn folder(name: &str) -> PathBuf {
 
 /// A file in that folder.
 pub(super) fn file(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> String {
-    let path = folder.join(name);
+    let path = place(folder, name);
     fs::write(&path, content).expect("a temporary file");
-    path.to_str().expect("a plain path").to_owned()
+    path
+}
+
+/// The path of a file in that folder, which need not be there.
+pub(super) fn place(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().expect("a plain path").to_owned()
+}
+
+/// The option `--set` for each change.
+pub(super) fn set<'a>(changes: &[&'a str]) -> Vec<&'a str> {
+    changes.iter().flat_map(|change| ["--set", change]).collect()
 }
 
 pub(super) fn host_bench(arguments: &[&str]) -> Output {
@@ -55,29 +87,56 @@ pub(super) fn refused_with(overrides: &[&str], parts: &[&str]) {
 /// The same of another scene.
 #[track_caller]
 pub(super) fn refused_scene(scene: &str, overrides: &[&str], parts: &[&str]) {
-    let mut arguments = vec!["run", scene, "--method", "reference"];
-    arguments.extend(overrides.iter().flat_map(|change| ["--set", change]));
-    refused(&arguments, parts);
+    refused(&[&["run", scene, "--method", "reference"], &set(overrides)[..]].concat(), parts);
 }
 
 /// Runs what must succeed and gives its standard output.
 #[track_caller]
 pub(super) fn accepted(arguments: &[&str]) -> String {
+    printed(arguments)[0].clone()
+}
+
+/// The standard output of what must succeed, and what stands on standard error.
+#[track_caller]
+pub(super) fn printed(arguments: &[&str]) -> [String; 2] {
     let output = host_bench(arguments);
-    let told = String::from_utf8(output.stderr).expect("text");
+    let [found, told] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).expect("text"));
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {told}");
-    String::from_utf8(output.stdout).expect("text")
+    [found, told]
+}
+
+/// The JSON of what must succeed.
+#[track_caller]
+pub(super) fn json(arguments: &[&str]) -> Value {
+    json_and_told(arguments).0
+}
+
+/// The JSON of what must succeed, and what stands on standard error.
+#[track_caller]
+pub(super) fn json_and_told(arguments: &[&str]) -> (Value, String) {
+    let [found, told] = printed(&[arguments, &["--format", "json"]].concat());
+    (serde_json::from_str(&found).expect("one JSON value"), told)
+}
+
+/// The charts of a page.
+pub(super) fn charts(page: &str) -> Value {
+    let data = page.split("const charts = ").nth(1).and_then(|rest| rest.split(";\n").next());
+    serde_json::from_str(data.expect("charts")).expect("JSON")
+}
+
+/// The rows of CSV, each with its cells by the heading.
+pub(super) fn rows(text: &str) -> Vec<BTreeMap<String, String>> {
+    let rows = csv::Reader::from_reader(text.as_bytes()).into_deserialize();
+    rows.map(|row| row.expect("a row")).collect()
 }
 
 /// The JSON object of a short run on the reference with some overrides.
 #[track_caller]
-pub(super) fn outcome(scene: &str, overrides: &[&str]) -> serde_json::Value {
-    let mut arguments = vec!["run", scene, "--method", "reference", "--format", "json"];
-    arguments.extend(overrides.iter().flat_map(|change| ["--set", change]));
-    serde_json::from_str(&accepted(&arguments)).expect("one JSON object")
+pub(super) fn outcome(scene: &str, overrides: &[&str]) -> Value {
+    json(&[&["run", scene, "--method", "reference"], &set(overrides)[..]].concat())
 }
 
 /// A number of an outcome.
-pub(super) fn number(outcome: &serde_json::Value, key: &str) -> f64 {
+pub(super) fn number(outcome: &Value, key: &str) -> f64 {
     outcome[key].as_f64().unwrap_or_else(|| panic!("{key} is a number in {outcome}"))
 }

@@ -1,8 +1,6 @@
 //! The command `validation`: its formats, and the page that has its table.
 
-use serde_json::Value;
-
-use super::tool::{accepted, folder, refused};
+use super::tool::{accepted, folder, json, place, refused};
 
 #[test]
 fn the_page_has_the_table_and_the_formats_have_the_same_rows() {
@@ -15,22 +13,21 @@ fn the_page_has_the_table_and_the_formats_have_the_same_rows() {
         first.contains("Neither") && first.contains("force law") && first.contains("friction"),
         "{first}"
     );
-    let rows: Vec<Value> =
-        serde_json::from_str(&accepted(&["validation", "--format", "json"])).expect("rows");
+    let rows = json(&["validation"]);
+    let rows = rows.as_array().expect("rows");
     let csv = accepted(&["validation", "--format", "csv"]);
     let names = ["quantity", "source", "start", "measured", "ours", "relative_difference", "fitted"];
     assert_eq!(csv.lines().next(), Some(names.join(",").as_str()));
     assert_eq!([csv.lines().count(), table.lines().count()], [rows.len() + 1; 2]);
-    for row in &rows {
+    for row in rows {
         assert_eq!(row.as_object().map(|row| row.keys().eq(names)), Some(true), "{row}");
     }
 }
 
 #[test]
 fn the_picture_has_what_was_measured() {
-    let file = folder("validation").join("measured.svg");
-    let path = file.to_str().expect("a plain path");
-    accepted(&["-q", "validation", "--picture", path]);
+    let file = place(&folder("validation"), "measured.svg");
+    accepted(&["-q", "validation", "--picture", &file]);
     let picture = std::fs::read_to_string(&file).expect("the picture");
     let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/figures/validation.svg");
     assert_eq!(picture, std::fs::read_to_string(shipped).expect("the picture of the page"));

@@ -12,7 +12,7 @@ use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::part::storage::{Capacitor, StorageCapacitor, StorageElement};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::rectified::{ElectricalPort, FullBridge, Mode, Rectified, STATES};
-use model_core::scene::sliding;
+use model_core::scene::{Scene, sliding};
 
 /// Number of all powers.
 pub(crate) const WHOLE: usize = PowerIndex::ContactForce as usize + 1;
@@ -67,7 +67,19 @@ pub(crate) fn adaptive<S: Scalar>(tolerance: f64) -> AnyStepControl<S> {
     AnyStepControl::Adaptive(Adaptive::new(S::from_f64(tolerance)).expect("in bounds"))
 }
 
-/// Runs from the harvester's default start.
+/// The default start of a scene.
+pub(crate) fn begin<S: Scalar, A: Scene<S, N, WHOLE>, M, const N: usize>(
+    scene: &A,
+    vibration: &impl Excitation<S>,
+    driver: &Driver<M, AnyStepControl<S>>,
+) -> HybridState<S, A::Mode, N, WHOLE>
+where
+    A::Start: Default,
+{
+    scene.start(&A::Start::default(), vibration, &driver.control).expect("in bounds")
+}
+
+/// Runs from a start.
 pub(crate) fn run<S, H, R, M, E, O>(
     scene: &Rectified<S, H, R>,
     start: &H::Start,

@@ -1,8 +1,9 @@
 //! The estimator for harvesters behind a bridge: its sums, its snapshots, and the refusal of foreign snapshots.
 
 use crate::common::finished;
-use crate::common::harvesters::{Bump, Contact, bump_parameters_into, contact_parameters};
-use model_core::energy::estimator::{Interpolation, SampleFormat, Settings};
+use crate::common::harvesters::{
+    Bump, Contact, bump, bump_parameters_into, contact_parameters, sine_samples,
+};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled};
 use model_core::integrate::{Adaptive, TrBdf2};
@@ -15,6 +16,7 @@ use model_core::scene::rectified::{FullBridge, Rectified, STATES};
 use model_core::scene::{Harvester, Simulation};
 use model_core::snapshot::SnapshotError;
 
+type Bridge = FullBridge<f32, AnyStorage<f32>>;
 type Bridged = Rectified<f32, Contact<f32>, AnyStorage<f32>>;
 type Hybrid = Simulation<Bridged, TrBdf2, Adaptive<f32>, STATES, 1>;
 
@@ -24,7 +26,7 @@ fn draw() -> AnyDraw<f32> {
     AnyDraw::Power(PowerDraw { power: 3e-6, lockout: Lockout { turn_on: 2.5, turn_off: 2.0 } })
 }
 
-fn bridge(diode_drop: f32, capacitance: f32, draw: AnyDraw<f32>) -> FullBridge<f32, AnyStorage<f32>> {
+fn bridge(diode_drop: f32, capacitance: f32, draw: AnyDraw<f32>) -> Bridge {
     let storage = StorageCapacitor {
         capacitor: Capacitor { capacitance, leakage_resistance: 1e12 },
         initial_voltage: 2.4,
@@ -33,17 +35,15 @@ fn bridge(diode_drop: f32, capacitance: f32, draw: AnyDraw<f32>) -> FullBridge<f
     FullBridge { diode_drop, storage: AnyStorage::Capacitor(storage) }
 }
 
-fn scene(bridge: FullBridge<f32, AnyStorage<f32>>) -> Bridged {
+fn scene(bridge: Bridge) -> Bridged {
     let mut parameters = contact_parameters::<f32>();
     parameters.choices.load = AnyLoad { resistance: f32::INFINITY };
     Rectified::new(parameters.build().expect("in bounds"), bridge).expect("in bounds")
 }
 
-fn hybrid(bridge: FullBridge<f32, AnyStorage<f32>>) -> Hybrid {
+fn hybrid(bridge: Bridge) -> Hybrid {
     Simulation::new(scene(bridge), TrBdf2, Adaptive::new(5e-2).expect("in bounds"))
 }
-
-type Bridge = FullBridge<f32, AnyStorage<f32>>;
 
 fn modal(bridge: Bridge) -> Stepper<f32, AnyChoices<f32, Bridge>, 4, 1> {
     let parameters = bump_parameters_into(bridge);
@@ -51,27 +51,13 @@ fn modal(bridge: Bridge) -> Stepper<f32, AnyChoices<f32, Bridge>, 4, 1> {
 }
 
 fn estimator<H: Harvester<f32>>(harvester: H, rate: f32) -> Estimator<f32, H> {
-    let format = SampleFormat::accelerations(f32::INFINITY, 0.0);
-    let settings = Settings {
-        rate,
-        format,
-        longest_gap: 4,
-        settling_seconds: 0.0,
-        rate_tolerance: 0.0,
-        jitter: 0.0,
-        interpolation: Interpolation::Linear,
-        bias_seconds: None,
-    };
-    Estimator::new(harvester, settings).expect("in bounds")
+    Estimator::new(harvester, crate::estimator::settings(rate.into())).expect("in bounds")
 }
 
 /// Pushes `count` samples of a sine, from sample number `from` on.
 fn feed<H: Harvester<f32>>(estimator: &mut Estimator<f32, H>, sine: [f64; 3], from: u32, count: u32) {
-    for sample in crate::common::harvesters::sine_samples(sine[0], sine[1], sine[2], from + count)
-        .into_iter()
-        .skip(from as usize)
-    {
-        finished(estimator.push_acceleration(sample, u32::MAX));
+    for sample in &sine_samples(sine[0], sine[1], sine[2], from + count)[from as usize..] {
+        finished(estimator.push_acceleration(*sample, u32::MAX));
     }
 }
 
@@ -85,7 +71,7 @@ fn what_enters_the_store_is_what_a_power_meter_counts_shared_charge_included() {
     feed(&mut estimator, SHAKEN, 0, 1200);
     // The same samples, as a trace, advanced to where the estimator stands.
     let simulation = hybrid(bridge);
-    let samples = crate::common::harvesters::sine_samples::<f32>(SHAKEN[0], SHAKEN[1], SHAKEN[2], 1201);
+    let samples = sine_samples::<f32>(SHAKEN[0], SHAKEN[1], SHAKEN[2], 1201);
     let trace = Sampled::new(&samples, RATE, AfterLastSample::Silence).expect("valid");
     let mut state = simulation.start(&Start::default(), &trace).expect("in bounds");
     let mut meter = PowerMeter::<f32>::new();
@@ -151,7 +137,7 @@ fn resumes<H: Harvester<f32> + Copy>(harvester: H, foreign: &[H], sine: [f64; 3]
 }
 
 /// Another drop, another storage, no draw, and one that takes the same current at the turn-on voltage only.
-fn foreign() -> [FullBridge<f32, AnyStorage<f32>>; 4] {
+fn foreign() -> [Bridge; 4] {
     let lockout = Lockout { turn_on: 2.5, turn_off: 2.0 };
     let current = AnyDraw::Current(CurrentDraw { current: 3e-6 / 2.5, lockout });
     [
@@ -173,7 +159,7 @@ fn a_modal_harvester_behind_a_bridge_resumes_with_its_bits_and_takes_no_foreign_
     let others = foreign().map(modal);
     resumes(modal(bridge(0.3, 1e-6, draw())), &others, HIT, [5, 700, 1501]);
     // A resistor in its place is another harvester altogether.
-    let plain: Bump<f32, 4, 1> = crate::common::harvesters::bump(bump_stop::AnyContact::ResidualFlexibility);
+    let plain: Bump<f32, 4, 1> = bump(bump_stop::AnyContact::ResidualFlexibility);
     let mut snapshot = [0; 512];
     estimator(plain, 3520.0).save(&mut snapshot).expect("there is room");
     assert!(estimator(modal(bridge(0.3, 1e-6, draw())), 3520.0).restore(&snapshot).is_err());

@@ -5,11 +5,10 @@ mod calibration;
 use crate::bridged::{AnyBridge, baseline, resistor, storage, vibration};
 use crate::common::Random;
 use crate::common::harvesters::{bump_parameters, sine_samples};
-use crate::estimator::settings;
+use crate::estimator::{follow, settings};
 use core::fmt::Debug;
 use model_core::clock::{Instant, TICKS_PER_SECOND};
 use model_core::energy::PowerMeter;
-use model_core::energy::{Estimate, Estimator};
 use model_core::excitation::{Silence, Stream};
 use model_core::hybrid::Ended;
 use model_core::part::load::AnyLoad;
@@ -130,13 +129,6 @@ fn at_rest_the_statement_is_zero() {
     checked.advance(&mut state, &Silence, until, EVER, &mut ()).expect("runs");
     let error = checked.step_doubling_error(&state).expect("checked");
     assert_eq!((error.relative, error.irregular), (0.0, 0.0));
-}
-
-fn follow<S: Scalar, H: Harvester<S>>(estimator: &mut Estimator<S, H>, samples: &[S]) -> Estimate<S> {
-    for &sample in samples {
-        assert!(estimator.push_acceleration(sample, EVER).expect("runs").finished);
-    }
-    estimator.estimate()
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! ledger with the storage, bits, and the cost of the step lengths.
 
 use crate::bridged::{AnyBridge, Bridged, advance, baseline, close, resistor, seconds, storage, vibration};
-use model_core::energy::{Ledger, PowerMeter, RunMeter};
+use model_core::energy::{Ledger, RunMeter};
 use model_core::excitation::Silence;
 use model_core::observer::{AcceptedStep, Observer, PowerIndex};
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, NoDraw, PowerDraw, ResistiveDraw};
@@ -302,52 +302,4 @@ fn a_draw_is_connected_and_disconnected_at_its_thresholds() {
     // Looked at where a step ends: within what a step brings or takes.
     assert!(seen.off.iter().all(|volts| (turn_off - amperes * 2e-5 / 1e-6..=turn_off).contains(volts)));
     assert!(seen.on.iter().all(|volts| (turn_on..turn_on + 0.05).contains(volts)));
-}
-
-/// Storage voltages in V of 4.7 µF behind diodes of 0.3 V, from empty, at some instants in s. They are those of another
-/// program with the same method, (10, 3) modes and steps of 1 µs, to 1 mV. At the end rare peaks decide the voltage of
-/// the storage, so it depends on details more than any other figure. The other program states 0.3 % without a stop and
-/// 1.5 % with one for it.
-fn charges(stop: Option<[f64; 2]>, published: &[(f64, f64)], relative: f64) {
-    let mut parameters = baseline(storage(4.7e-6, 0.0, AnyDraw::None, 0.3));
-    match stop {
-        None => parameters.choices.stop.contact = AnyContact::NoStop,
-        Some([gap, position]) => {
-            (parameters.choices.stop.gap, parameters.choices.stop.position) = (gap, position)
-        }
-    }
-    let stepper = Stepper::new(parameters.build::<10, 3>().expect("valid"), 1e-6, 1e-6).expect("in bounds");
-    let excitation = vibration(220.0);
-    let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
-    for &(at, volts) in published {
-        let mut meter = PowerMeter::new();
-        stepper.advance(&mut state, &excitation, seconds(at), u32::MAX, &mut meter).expect("runs");
-        assert!(meter.delivered_energy() >= 0.0);
-        close(&format!("{stop:?} at {at} s"), state.circuit.voltage, volts, relative);
-    }
-}
-
-#[test]
-fn a_store_charges_as_published() {
-    charges(None, &[(0.5, 4.011), (1.0, 4.572), (2.0, 4.700)], 3e-4);
-    charges(Some([10e-6, 0.025]), &[(0.5, 2.048), (1.0, 2.447)], 2e-3);
-}
-
-/// With the stop at mid-span and a gap of 10 µm two motions exist side by side once the storage is full: at
-/// another step (0.5 or 2 µs) the run goes over to one that charges to 2.82 V within ten seconds. The row is
-/// that of the published step.
-#[test]
-#[ignore = "some minutes: five runs of twenty simulated seconds in steps of 1 µs"]
-fn a_store_charges_as_published_for_twenty_seconds() {
-    let at = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
-    for (stop, volts, relative) in [
-        (None, [4.011, 4.572, 4.700, 4.707, 4.707, 4.707], 3e-4),
-        (Some([10e-6, 0.05]), [0.589, 0.720, 0.771, 0.793, 0.805, 0.808], 1.5e-2),
-        (Some([10e-6, 0.025]), [2.048, 2.447, 2.549, 2.555, 2.556, 2.556], 3e-3),
-        (Some([0.0, 0.05]), [0.269, 0.328, 0.347, 0.351, 0.352, 0.352], 1.5e-2),
-        (Some([0.0, 0.025]), [0.761, 1.046, 1.232, 1.342, 1.386, 1.415], 1.5e-2),
-    ] {
-        let published: Vec<(f64, f64)> = at.into_iter().zip(volts).collect();
-        charges(stop, &published, relative);
-    }
 }

@@ -54,7 +54,10 @@ fn known<S: Scalar>(rate: f64, samples: &[S]) -> Vec<Instant> {
 }
 
 /// Follows all samples; gives the estimate.
-fn follow<S: Scalar, H: Harvester<S>>(estimator: &mut Estimator<S, H>, samples: &[S]) -> Estimate<S> {
+pub(crate) fn follow<S: Scalar, H: Harvester<S>>(
+    estimator: &mut Estimator<S, H>,
+    samples: &[S],
+) -> Estimate<S> {
     for &sample in samples {
         let progress = estimator.push_acceleration(sample, EVER).expect("runs");
         assert!(progress.finished);

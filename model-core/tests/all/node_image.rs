@@ -85,14 +85,11 @@ impl<S: Scalar> Node<S> {
         let budget = BudgetParameters { storage, income, standing_power }.build().expect("in bounds");
         let control = Adaptive::new(number(numbers.tolerance)).expect("in bounds");
         let settings = Settings {
-            rate: number(RATE),
             format: SampleFormat::accelerations(number(60.0), number(0.0)),
             longest_gap: numbers.longest_gap,
-            settling_seconds: S::ZERO,
-            rate_tolerance: S::ZERO,
-            jitter: S::ZERO,
             interpolation: Interpolation::DroopCompensated,
             bias_seconds: Some(number(2.0)),
+            ..crate::estimator::settings(RATE)
         };
         let harvester = Simulation::new(contact(), ExponentialRadau, control);
         Self {

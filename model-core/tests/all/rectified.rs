@@ -1,7 +1,7 @@
 //! Both triboelectric scenes behind a full bridge: energy ledgers, the three regimes, equal bits.
 
 use crate::bridge::{
-    GRAVITY, VACUUM_PERMITTIVITY, WHOLE, adaptive, behind, fixed, pad, run, sine, slider, storage,
+    GRAVITY, VACUUM_PERMITTIVITY, WHOLE, adaptive, begin, behind, fixed, pad, run, sine, slider, storage,
 };
 use crate::common::harvesters;
 use model_core::clock::{Instant, TICKS_PER_SECOND};
@@ -84,9 +84,7 @@ fn events_behind_a_bridge_take_few_attempts_and_charge_the_storage_as_short_step
     let vibration = sine(0.36, 18.373);
     let [loose, tight] = [1e-1, 1e-6].map(|tolerance| {
         let driver = Driver::new(ExponentialRadau, adaptive(tolerance));
-        let mut state = slider
-            .start::<_, _, WHOLE>(&sliding::Start::default(), &vibration, &driver.control)
-            .expect("in bounds");
+        let mut state = begin(&slider, &vibration, &driver);
         let work = driver.advance(&slider, &mut state, &vibration, WHOLE_SECOND, u32::MAX, &mut ());
         (work.expect("runs").work, slider.storage_voltage(state.mode, &state.point.state) - 5.0)
     });
@@ -145,9 +143,7 @@ fn a_stick_with_a_frozen_charge_takes_three_steps() {
     }
     let (slider, vibration) = (slider::<f64>(1e8), sine(0.30, 6.0));
     let driver = Driver::new(ExponentialRadau, adaptive(1e-2));
-    let mut state = slider
-        .start::<_, _, WHOLE>(&sliding::Start::default(), &vibration, &driver.control)
-        .expect("in bounds");
+    let mut state = begin(&slider, &vibration, &driver);
     let mut sticks = Sticks::default();
     driver.advance(&slider, &mut state, &vibration, WHOLE_SECOND, u32::MAX, &mut sticks).expect("runs");
     let Sticks([steps, releases]) = sticks;
@@ -162,9 +158,7 @@ fn a_threshold_within_the_roundings_of_the_voltage_costs_no_steps() {
         let pad = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::GapField), storage(4.9e-9, 0.0), drop);
         let driver = Driver::new(ExponentialRadau, adaptive(1e-5));
         let vibration = sine(amplitude, frequency);
-        let mut state = pad
-            .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
-            .expect("in bounds");
+        let mut state = begin(&pad, &vibration, &driver);
         let end = Instant::from_seconds(0.1).expect("in range");
         driver.advance(&pad, &mut state, &vibration, end, u32::MAX, &mut ()).expect("runs").work
     };
@@ -408,9 +402,7 @@ fn the_bits_do_not_depend_on_how_a_run_is_divided() {
     let whole = Driver::new(TrBdf2, adaptive(1e-3));
     let expected = run(&scene, &contact::Start::default(), &vibration, &whole, 2.0, &mut ());
     let pausing = Driver { pause_at_events: true, ..whole };
-    let mut found = scene
-        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &whole.control)
-        .expect("in bounds");
+    let mut found = begin(&scene, &vibration, &whole);
     let end = Instant::from_whole_seconds(2);
     while found.clock < end {
         pausing.advance(&scene, &mut found, &vibration, end, 50, &mut ()).expect("runs");

@@ -1,62 +1,16 @@
 //! Both triboelectric scenes behind a full bridge in limiting cases and against closed forms.
 
-use crate::bridge::{VACUUM_PERMITTIVITY, WHOLE, adaptive, behind, fixed, pad, run, sine, slider, storage};
+use crate::bridge::{VACUUM_PERMITTIVITY, adaptive, begin, behind, pad, run, sine};
 use model_core::clock::Instant;
-use model_core::energy::{Ledger, RunMeter};
-use model_core::hybrid::{Automaton, Driver};
-use model_core::integrate::{ExponentialRadau, RungeKutta4, TrBdf2};
+use model_core::energy::RunMeter;
+use model_core::hybrid::Driver;
+use model_core::integrate::{ExponentialRadau, TrBdf2};
 use model_core::observer::PowerIndex;
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw, ResistiveDraw};
 use model_core::part::force_law::AnyForceLaw;
 use model_core::part::storage::{Capacitor, DcBus, StorageCapacitor};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
-use model_core::scene::rectified::STATES;
-use model_core::scene::{contact_separation as contact, sliding};
-
-/// A bus and diodes without voltage short the terminals: the charge follows the position as at 0 Ω.
-#[test]
-fn a_bus_without_voltage_is_a_short_circuit() {
-    let driver = Driver::new(TrBdf2, adaptive(1e-7));
-    let law = AnyForceLaw::TransferredCharge;
-    let (bus, vibration) = (DcBus { voltage: 0.0 }, sine::<f64>(0.2, 20.0));
-    let end = Instant::from_whole_seconds(1);
-    let shorted = pad::<f64>(0.0, law);
-    let mut state = shorted
-        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
-        .expect("in bounds");
-    driver.advance(&shorted, &mut state, &vibration, end, u32::MAX, &mut ()).expect("runs");
-    let scene = behind(pad::<f64>(f64::INFINITY, law), bus, 0.0);
-    let found = run(&scene, &contact::Start::default(), &vibration, &driver, 1.0, &mut ());
-    compare(
-        "contact",
-        [found.point.state[0], found.point.state[1]],
-        [state.point.state[0], state.point.state[1]],
-        [3e-3, 0.4],
-    );
-
-    let vibration = sine::<f64>(0.36, 18.373);
-    let shorted = slider::<f64>(0.0);
-    let mut state = shorted
-        .start::<_, _, WHOLE>(&sliding::Start::default(), &vibration, &driver.control)
-        .expect("in bounds");
-    driver.advance(&shorted, &mut state, &vibration, end, u32::MAX, &mut ()).expect("runs");
-    let scene = behind(slider::<f64>(f64::INFINITY), bus, 0.0);
-    let found = run(&scene, &sliding::Start::default(), &vibration, &driver, 1.0, &mut ());
-    compare(
-        "sliding",
-        [found.point.state[0], found.point.state[1]],
-        [state.point.state[0], state.point.state[1]],
-        [1e-2, 1.0],
-    );
-}
-
-fn compare(name: &str, found: [f64; 2], expected: [f64; 2], sizes: [f64; 2]) {
-    for ((found, expected), size) in found.into_iter().zip(expected).zip(sizes) {
-        let error = (found - expected).abs() / size;
-        println!("{name}: {found} {expected}, off by {error:.1e} of {size}");
-        assert!(error < 3e-5, "{name}: {found} {expected}");
-    }
-}
+use model_core::scene::contact_separation as contact;
 
 /// A bus beyond the reach of the harvester is an open circuit, bit for bit.
 #[test]
@@ -66,14 +20,10 @@ fn a_bus_out_of_reach_is_an_open_circuit() {
     let (bus, vibration) = (DcBus { voltage: 1e6_f32 }, sine::<f32>(0.2, 20.0));
     let end = Instant::from_whole_seconds(2);
     let open = pad::<f32>(f64::INFINITY, law);
-    let mut state = open
-        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
-        .expect("in bounds");
+    let mut state = begin(&open, &vibration, &driver);
     let alone = driver.advance(&open, &mut state, &vibration, end, u32::MAX, &mut ()).expect("runs");
     let scene = behind(open, bus, 0.3);
-    let mut found = scene
-        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
-        .expect("in bounds");
+    let mut found = begin(&scene, &vibration, &driver);
     let bridged = driver.advance(&scene, &mut found, &vibration, end, u32::MAX, &mut ()).expect("runs");
     assert!(alone.work.events > 10);
     assert_eq!(bridged.work, alone.work);
@@ -99,9 +49,7 @@ fn a_bus_receives_what_the_extremes_of_the_motion_say() {
     let settled = Instant::from_seconds(600.0 / frequency).expect("in range");
     let end = Instant::from_seconds(610.0 / frequency).expect("in range");
     let implicit = Driver::new(TrBdf2, adaptive(1e-6));
-    let mut state = scene
-        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &implicit.control)
-        .expect("in bounds");
+    let mut state = begin(&scene, &vibration, &implicit);
     let mut meter = RunMeter::new();
     implicit.advance(&scene, &mut state, &vibration, settled, u32::MAX, &mut ()).expect("runs");
     implicit.advance(&scene, &mut state, &vibration, end, u32::MAX, &mut meter).expect("runs");
@@ -114,80 +62,6 @@ fn a_bus_receives_what_the_extremes_of_the_motion_say() {
     let lost = meter.integrals().integral(PowerIndex::Diodes);
     assert!((lost / (expected * 2.0 * drop / voltage) - 1.0).abs() < 1e-5);
     assert!((meter.integrals().integral(PowerIndex::CurrentMagnitude) / (20.0 * passed) - 1.0).abs() < 1e-5);
-}
-
-/// The same of the slider, whose voltage has an extreme at the centre too; by an explicit method, for which the
-/// circuit is not stiff.
-#[test]
-fn an_explicit_method_finds_the_same_of_the_slider() {
-    let (voltage, drop) = (20.0, 0.3);
-    let threshold = voltage + 2.0 * drop;
-    let scene = behind(slider::<f64>(f64::INFINITY), DcBus { voltage }, drop);
-    let frequency = 18.373;
-    let vibration = sine::<f64>(0.36, frequency);
-    let patch = core::f64::consts::PI * 1e-4;
-    let overlap = |x: f64| {
-        let away = x.abs() / 0.02;
-        (away.acos() - away * (1.0 - away * away).sqrt()) * core::f64::consts::FRAC_2_PI
-    };
-    let charge = |x: f64, voltage: f64| {
-        let capacitance = VACUUM_PERMITTIVITY * 2.0 * patch * overlap(x) / 5e-5;
-        80e-6 * patch * (1.0 - overlap(x)) - capacitance * voltage
-    };
-    let settled = Instant::from_seconds(1000.0 / frequency).expect("in range");
-    let end = Instant::from_seconds(1010.0 / frequency).expect("in range");
-    let explicit = Driver::new(RungeKutta4, fixed(0.05 / 800.0));
-    let mut state = scene
-        .start::<_, _, WHOLE>(&sliding::Start::default(), &vibration, &explicit.control)
-        .expect("in bounds");
-    let mut meter = RunMeter::new();
-    explicit.advance(&scene, &mut state, &vibration, settled, u32::MAX, &mut ()).expect("runs");
-    explicit.advance(&scene, &mut state, &vibration, end, u32::MAX, &mut meter).expect("runs");
-    let reach = meter.report().coordinate;
-    // Forward to either side, backward into the middle from each.
-    let passed: f64 =
-        [reach.lowest, reach.highest].map(|x| charge(x, threshold) - charge(0.0, -threshold)).iter().sum();
-    let expected = 10.0 * 2.0 * passed * voltage;
-    println!("reach {reach:?}: {:e} J, expected {expected:e} J", meter.delivered_energy());
-    assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
-}
-
-/// A harvester that starts charged beyond the threshold shares its charge with the storage at once: what the field
-/// gives is in the storage or lost in the diodes.
-#[test]
-fn a_charge_beyond_the_threshold_is_shared_at_once() {
-    let (voltage, storage_capacitance, gap) = (10.0, 1e-11, 3e-3);
-    let storage = StorageCapacitor {
-        capacitor: Capacitor {
-            leakage_resistance: f64::INFINITY,
-            ..storage(storage_capacitance, 1.0).capacitor
-        },
-        ..storage(storage_capacitance, 1.0)
-    };
-    let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), storage, 0.3);
-    let distance = gap + 5e-5 / 2.0;
-    let capacitance = VACUUM_PERMITTIVITY * 4e-4 / distance;
-    let charge = 50e-6 * 4e-4 * gap / distance - capacitance * voltage;
-    let start = contact::Start { charge: Some(charge), ..contact::Start::default() };
-    let driver = Driver::new(TrBdf2, fixed(1e-9));
-    let still = sine::<f64>(0.0, 20.0);
-    let opening = scene.start::<_, _, WHOLE>(&start, &still, &driver.control).expect("in bounds");
-    let mut ledger =
-        Ledger::open(&Automaton::<f64, STATES, WHOLE>::outputs(&scene, opening.mode, &opening.point));
-    let end = run(&scene, &start, &still, &driver, 1e-8, &mut ledger);
-    // The capacitance at the terminals and the storage's, joined from 10 V and 1.6 V.
-    let joined = capacitance + 1e-12;
-    let passed = (voltage - 1.6) * joined * storage_capacitance / (joined + storage_capacitance);
-    let (delivered, lost) =
-        (passed * (1.0 + 0.5 * passed / storage_capacitance), passed * (0.6 + 0.5 * (voltage - 1.6)));
-    let found = [PowerIndex::Load, PowerIndex::Diodes].map(|entry| ledger.integrals().integral(entry));
-    println!("{found:?} J, expected {delivered:e} J and {lost:e} J");
-    assert!(
-        (scene.storage_voltage(end.mode, &end.point.state) - 1.0 - passed / storage_capacitance).abs() < 1e-6
-    );
-    assert!((found[0] / delivered - 1.0).abs() < 1e-6 && (found[1] / lost - 1.0).abs() < 1e-6);
-    let residual = ledger.residual();
-    assert!(residual.electrical.abs().max(residual.storage.abs()) < 1e-6 * delivered, "{residual:?}");
 }
 
 /// A storage with a draw and a harvester at rest: how long it lasts is known in closed form.
@@ -215,9 +89,7 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
             draw,
         };
         let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::GapField), storage, 0.3);
-        let mut state = scene
-            .start::<_, _, WHOLE>(&contact::Start::default(), &still, &driver.control)
-            .expect("in bounds");
+        let mut state = begin(&scene, &still, &driver);
         assert!(state.mode.connected);
         let mut meter = RunMeter::new();
         let end = Instant::from_whole_seconds(3);
@@ -241,9 +113,7 @@ fn a_draw_empties_the_store_on_time_and_comes_back_at_the_higher_voltage() {
     let scene = behind(pad::<f32>(f64::INFINITY, AnyForceLaw::TransferredCharge), single(storage), 0.3);
     let vibration = sine::<f32>(0.2, 20.0);
     let driver = Driver { pause_at_events: true, ..Driver::new(TrBdf2, adaptive::<f32>(1e-4)) };
-    let mut state = scene
-        .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
-        .expect("in bounds");
+    let mut state = begin(&scene, &vibration, &driver);
     assert!(!state.mode.connected);
     let mut toggles = 0;
     let end = Instant::from_whole_seconds(4);
@@ -298,9 +168,7 @@ fn a_storage_that_its_draw_empties_is_a_resistor_at_the_terminals() {
         let mut meter = RunMeter::new();
         run(&scene, &contact::Start::default(), &vibration, &driver, seconds, &mut meter);
         let bare = pad::<S>(ohms, law);
-        let mut state = bare
-            .start::<_, _, WHOLE>(&contact::Start::default(), &vibration, &driver.control)
-            .expect("in bounds");
+        let mut state = begin(&bare, &vibration, &driver);
         let mut alone = RunMeter::new();
         let end = Instant::from_seconds(seconds).expect("in range");
         driver.advance(&bare, &mut state, &vibration, end, u32::MAX, &mut alone).expect("runs");

@@ -5,7 +5,7 @@ use crate::common::harvesters::{
     sliding_parameters,
 };
 use crate::common::{Random, finished};
-use model_core::energy::estimator::{Interpolation, Sample, SampleFormat, Settings};
+use model_core::energy::estimator::{Sample, SampleFormat, Settings};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{Silence, Sine, Stream};
 use model_core::hybrid::{Driver, HybridState};
@@ -20,19 +20,15 @@ const EVER: u32 = u32::MAX;
 
 fn settings<S: Scalar>(rate: f64) -> Settings<S> {
     Settings {
-        rate: S::from_f64(rate),
         format: SampleFormat::accelerations(S::from_f64(60.0), S::ZERO),
         longest_gap: 3,
         settling_seconds: S::from_f64(0.1),
-        rate_tolerance: S::ZERO,
-        jitter: S::ZERO,
-        interpolation: Interpolation::Linear,
-        bias_seconds: None,
+        ..crate::estimator::settings(rate)
     }
 }
 
-fn hybrid<A, C>(scene: A, control: C) -> Simulation<A, TrBdf2, C, 3, 1> {
-    Simulation::new(scene, TrBdf2, control)
+fn hybrid<S: Scalar, A>(scene: A, tolerance: f64) -> Simulation<A, TrBdf2, Adaptive<S>, 3, 1> {
+    Simulation::new(scene, TrBdf2, Adaptive::new(S::from_f64(tolerance)).expect("in bounds"))
 }
 
 /// Samples with gaps of both kinds and shocks beyond the range, the same on every machine.
@@ -99,8 +95,7 @@ fn resume_contact_separation<S: Scalar>() {
     // Heavily charged and not rebounding: the mass sticks now and then.
     parameters.charge_density = S::from_f64(120e-6);
     parameters.choices.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: S::ZERO });
-    let harvester =
-        hybrid(parameters.build().expect("in bounds"), Adaptive::new(S::from_f64(1e-3)).expect("in bounds"));
+    let harvester = hybrid(parameters.build().expect("in bounds"), 1e-3);
     let samples = rough(&sine_samples::<S>(30.0, 15.0, 400.0, 1600), 1);
     let states = resume_from_images(harvester, settings(400.0), &samples);
     let stuck = states.iter().filter(|state| state.mode == contact_separation::Mode::Stick).count();
@@ -108,7 +103,7 @@ fn resume_contact_separation<S: Scalar>() {
 }
 
 fn resume_sliding<S: Scalar>() {
-    let harvester = hybrid(slide::<S>(), Adaptive::new(S::from_f64(1e-3)).expect("in bounds"));
+    let harvester = hybrid(slide::<S>(), 1e-3);
     let samples = rough(&sine_samples::<S>(3.0, 6.0, 400.0, 1600), 2);
     let states = resume_from_images(harvester, settings(400.0), &samples);
     let stuck = states.iter().filter(|state| state.mode == sliding::Mode::Stick).count();
@@ -180,30 +175,43 @@ where
 
 #[test]
 fn every_flipped_bit_and_every_cut_is_refused() {
-    every_flip_and_cut_is_refused::<f32, _>(hybrid(contact(), Adaptive::new(1e-2).expect("in bounds")));
-    every_flip_and_cut_is_refused::<f64, _>(hybrid(slide(), Adaptive::new(1e-2).expect("in bounds")));
+    every_flip_and_cut_is_refused::<f32, _>(hybrid(contact(), 1e-2));
+    every_flip_and_cut_is_refused::<f64, _>(hybrid(slide(), 1e-2));
     every_flip_and_cut_is_refused::<f32, _>(bump::<f32, 4, 1>(AnyContact::ResidualFlexibility));
 }
 
-/// Whether an estimator of this harvester and settings takes the snapshot.
-fn takes<S: Scalar, H: Harvester<S>>(
+/// Asserts that an estimator of this harvester and settings does not take the snapshot.
+#[track_caller]
+fn assert_foreign<S: Scalar, H: Harvester<S>>(
     harvester: H,
     settings: Settings<S>,
     bytes: &[u8],
-) -> Result<(), SnapshotError> {
-    Estimator::new(harvester, settings).expect("valid").restore(bytes)
+    change: usize,
+) {
+    let taken = Estimator::new(harvester, settings).expect("valid").restore(bytes);
+    assert_eq!(taken, Err(SnapshotError::ForeignModel), "change {change}");
 }
-
-const FOREIGN: Result<(), SnapshotError> = Err(SnapshotError::ForeignModel);
 
 /// A change of one parameter.
 type Change<P> = fn(&mut P);
 
+/// Asserts that each change of the parameters makes a harvester that does not take the snapshot of the one without a change.
+fn each_is_foreign<S: Scalar, P, H: Harvester<S> + Copy>(
+    parameters: fn() -> P,
+    built: fn(P) -> H,
+    changes: &[Change<P>],
+) {
+    let (mut estimator, bytes) = saved(built(parameters()), settings(400.0));
+    assert_eq!(estimator.restore(&bytes), Ok(()));
+    for (index, change) in changes.iter().enumerate() {
+        let mut parameters = parameters();
+        change(&mut parameters);
+        assert_foreign(built(parameters), settings(400.0), &bytes, index);
+    }
+}
+
 #[test]
 fn an_image_of_other_parameters_is_foreign() {
-    let harvester = hybrid(contact::<f32>(), Adaptive::new(1e-2).expect("in bounds"));
-    let (_, bytes) = saved(harvester, settings(400.0));
-    assert_eq!(takes(harvester, settings(400.0), &bytes), Ok(()));
     let changes: [Change<contact_separation::Parameters<f32, ContactChoices<f32>>>; 13] = [
         |p| p.mass *= 1.000_001,
         |p| p.stiffness = 80.001,
@@ -219,15 +227,8 @@ fn an_image_of_other_parameters_is_foreign() {
         |p| p.choices.restitution = AnyRestitution::Constant(ConstantRestitution { coefficient: 0.8 }),
         |p| p.choices.sticking = contact_separation::StickCharge::Relaxing,
     ];
-    for (index, change) in changes.into_iter().enumerate() {
-        let mut parameters = contact_parameters::<f32>();
-        change(&mut parameters);
-        let other = hybrid(parameters.build().expect("in bounds"), Adaptive::new(1e-2).expect("in bounds"));
-        assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN, "change {index}");
-    }
+    each_is_foreign(contact_parameters, |p| hybrid(p.build().expect("in bounds"), 1e-2), &changes);
 
-    let harvester = hybrid(slide::<f64>(), Adaptive::new(1e-2).expect("in bounds"));
-    let (_, bytes) = saved(harvester, settings(400.0));
     let changes: [Change<sliding::Parameters<f64, sliding::AnyChoices<f64>>>; 15] = [
         |p| p.beam_length = 0.101,
         |p| p.beam_width = 0.021,
@@ -245,15 +246,8 @@ fn an_image_of_other_parameters_is_foreign() {
         |p| p.choices.sticking = sliding::StickCharge::Relaxing,
         |p| p.choices.lateral_force = sliding::AnyLateralForce::Field,
     ];
-    for (index, change) in changes.into_iter().enumerate() {
-        let mut parameters = sliding_parameters::<f64>();
-        change(&mut parameters);
-        let other = hybrid(parameters.build().expect("in bounds"), Adaptive::new(1e-2).expect("in bounds"));
-        assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN, "change {index}");
-    }
+    each_is_foreign(sliding_parameters, |p| hybrid(p.build().expect("in bounds"), 1e-2), &changes);
 
-    let stepper = bump::<f32, 4, 1>(AnyContact::ResidualFlexibility);
-    let (_, bytes) = saved(stepper, settings(400.0));
     let changes: [Change<bump_stop::Parameters<f32, bump_stop::AnyChoices<f32>>>; 10] = [
         |p| p.beam_length = 0.0501,
         |p| p.piezo_d31 = -191e-12,
@@ -266,60 +260,37 @@ fn an_image_of_other_parameters_is_foreign() {
         |p| p.choices.coupling = AnyCoupling::OneWay,
         |p| p.choices.stop.contact = AnyContact::DisplacementConstraint,
     ];
-    for (index, change) in changes.into_iter().enumerate() {
-        let mut parameters = bump_parameters::<f32>();
-        change(&mut parameters);
-        let other = Stepper::<_, _, 4, 1>::new(parameters.build().expect("in bounds"), 9e-6, 80e-6)
-            .expect("in bounds");
-        assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN, "change {index}");
-    }
+    let built = |p: bump_stop::Parameters<f32, _>| {
+        Stepper::<_, _, 4, 1>::new(p.build().expect("in bounds"), 9e-6, 80e-6).expect("in bounds")
+    };
+    each_is_foreign(bump_parameters, built, &changes);
 }
 
 #[test]
 fn an_image_of_another_scene_precision_method_or_rate_is_foreign() {
-    let harvester = hybrid(contact::<f32>(), Adaptive::new(1e-2).expect("in bounds"));
-    let (_, bytes) = saved(harvester, settings(400.0));
-    assert_eq!(
-        takes(hybrid(slide::<f32>(), Adaptive::new(1e-2).expect("in bounds")), settings(400.0), &bytes),
-        FOREIGN
-    );
-    assert_eq!(
-        takes(hybrid(contact::<f64>(), Adaptive::new(1e-2).expect("in bounds")), settings(400.0), &bytes),
-        FOREIGN
-    );
-    assert_eq!(
-        takes(hybrid(contact::<f32>(), Adaptive::new(1.1e-2).expect("in bounds")), settings(400.0), &bytes),
-        FOREIGN
-    );
-    let (_, accurate) =
-        saved(hybrid(contact::<f32>(), Adaptive::new(1e-5).expect("in bounds")), settings(400.0));
-    assert_eq!(
-        takes(
-            hybrid(contact::<f32>(), Adaptive::new(1.1e-5).expect("in bounds")),
-            settings(400.0),
-            &accurate
-        ),
-        FOREIGN
-    );
+    let (usual, usual_in_double) = (settings::<f32>(400.0), settings::<f64>(400.0));
+    let harvester = hybrid(contact::<f32>(), 1e-2);
+    let (_, bytes) = saved(harvester, usual);
+    assert_foreign(hybrid(slide::<f32>(), 1e-2), usual, &bytes, 0);
+    assert_foreign(hybrid(contact::<f64>(), 1e-2), usual_in_double, &bytes, 1);
+    assert_foreign(hybrid(contact::<f32>(), 1.1e-2), usual, &bytes, 2);
+    let (_, accurate) = saved(hybrid(contact::<f32>(), 1e-5), usual);
+    assert_foreign(hybrid(contact::<f32>(), 1.1e-5), usual, &accurate, 3);
     let fixed = FixedStep::of_seconds(1e-3_f32).expect("in bounds");
-    assert_eq!(takes(hybrid(contact::<f32>(), fixed), settings(400.0), &bytes), FOREIGN);
-    assert_eq!(takes(harvester, settings(401.0), &bytes), FOREIGN);
-    assert_eq!(takes(harvester, Settings { longest_gap: 2, ..settings(400.0) }, &bytes), FOREIGN);
+    assert_foreign(Simulation::<_, _, _, 3, 1>::new(contact::<f32>(), TrBdf2, fixed), usual, &bytes, 4);
+    assert_foreign(harvester, settings(401.0), &bytes, 5);
+    assert_foreign(harvester, Settings { longest_gap: 2, ..usual }, &bytes, 6);
 
-    let explicit = Simulation::new(slide::<f32>(), RungeKutta4, fixed);
-    let (_, bytes) = saved(explicit, settings(400.0));
-    assert_eq!(takes(hybrid(slide::<f32>(), fixed), settings(400.0), &bytes), FOREIGN);
+    let explicit = Simulation::<_, _, _, 3, 1>::new(slide::<f32>(), RungeKutta4, fixed);
+    let (_, bytes) = saved(explicit, usual);
+    assert_foreign(Simulation::<_, _, _, 3, 1>::new(slide::<f32>(), TrBdf2, fixed), usual, &bytes, 7);
 
     let stepper = bump::<f32, 4, 1>(AnyContact::ResidualFlexibility);
-    let (_, bytes) = saved(stepper, settings(400.0));
-    assert_eq!(takes(stepper, settings(400.0), &bytes), Ok(()));
+    let (_, bytes) = saved(stepper, usual);
     // The same number of modes in all, and so of bytes.
-    let other = bump::<f32, 3, 2>(AnyContact::ResidualFlexibility);
-    assert_eq!(takes(other, settings(400.0), &bytes), FOREIGN);
-    assert_eq!(
-        takes(Stepper::new(*stepper.scene(), 9e-6, 81e-6).expect("in bounds"), settings(400.0), &bytes),
-        FOREIGN
-    );
+    assert_foreign(bump::<f32, 3, 2>(AnyContact::ResidualFlexibility), usual, &bytes, 8);
+    let longer = Stepper::<_, _, 4, 1>::new(*stepper.scene(), 9e-6, 81e-6).expect("in bounds");
+    assert_foreign(longer, usual, &bytes, 9);
 }
 
 /// One value into a snapshot and back.

@@ -1,13 +1,11 @@
 //! The accuracy statement of `run`: true errors lie within it, and wrong numbers are announced.
 
-use std::path::Path;
-
-use cross_crate_tests::{contact_separation, on_all_cores, reference, single, value};
+use cross_crate_tests::{contact_separation, on_all_cores, reference, shipped, single, value};
 use host_bench::accuracy::run_with_accuracy;
 use host_bench::method::{Method, Options, Precision};
 use host_bench::outcome::{Outcome, fields};
 use host_bench::run::run_scene;
-use host_bench::scene_file::{self, Excitation, ForceLaw, Override, RunSpan, Scene, Tone, Trace};
+use host_bench::scene_file::{Excitation, ForceLaw, RunSpan, Scene, Tone, Trace};
 use host_bench::stability::{draw, draw_varied};
 
 fn stated(scene: &Scene, options: &Options) -> Outcome {
@@ -21,14 +19,6 @@ fn is_warned(outcome: &Outcome) -> bool {
 /// A bump-stop scene without a stop, with these keys changed.
 fn bump_stop(changes: &[(&str, &str)]) -> Scene {
     shipped("bump-stop-none", changes)
-}
-
-/// A shipped scene, with these keys changed.
-fn shipped(name: &str, changes: &[(&str, &str)]) -> Scene {
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes");
-    let file = scenes.join(name).with_extension("toml");
-    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-    scene_file::read(&file, &overrides).expect("a valid scene")
 }
 
 /// The relative error of the mean power, which must lie within the statement.
@@ -75,10 +65,7 @@ fn a_fast_base_within_a_step_of_bump_stop_is_right() {
 
 #[test]
 fn bump_stop_takes_the_steps_that_meet_an_accuracy() {
-    let changes = [("run", "{duration_s=0.15,settle_s=0.05}")];
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/bump-stop-tip.toml");
-    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-    let scene = scene_file::read(&file, &overrides).expect("a valid scene");
+    let scene = shipped("bump-stop-tip", &[("run", "{duration_s=0.15,settle_s=0.05}")]);
     let steps = [1e-2, 1e-4].map(|accuracy| {
         let options = Options { accuracy: Some(accuracy), ..Options::default() };
         let found = stated(&scene, &options);

@@ -1,19 +1,13 @@
 //! The bimorph: the core against the reference, its connections against each other, and what the host makes of it.
 
-use std::path::Path;
-
-use cross_crate_tests::{assert_close, fixed, reference, single, value};
+use cross_crate_tests::{assert_close, fixed, outcome, reference, shipped, single, value};
 use host_bench::closed_form::estimate;
 use host_bench::method::{Options, Precision};
-use host_bench::outcome::Outcome;
-use host_bench::run::run_scene;
-use host_bench::scene_file::{self, Override, Scene};
+use host_bench::scene_file::Scene;
 
 /// Erturk and Inman's bimorph with these keys changed.
 fn bimorph(changes: &[(&str, &str)]) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/bimorph-erturk-inman.toml");
-    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-    scene_file::read(&file, &overrides).expect("the scene is valid")
+    shipped("bimorph-erturk-inman", changes)
 }
 
 const BRIDGE: [(&str, &str); 3] =
@@ -26,10 +20,6 @@ const STOP: [(&str, &str); 2] = [
     ),
     ("excitation.amplitude_g", "0.3"),
 ];
-
-fn run(scene: &Scene, options: &Options) -> Outcome {
-    run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"))
-}
 
 /// Without a stop to 10⁻³, over the first contacts to a hundredth; the stress is that of the outer, piezoelectric fibre.
 #[test]
@@ -46,7 +36,7 @@ fn the_core_is_the_reference() {
             ("f32", with(&[]), single(fixed(1e-5)), 1e-3),
             ("stop", with(&STOP), fixed(5e-7), 1e-2),
         ] {
-            let (found, exact) = (run(&scene, &options), run(&scene, &reference()));
+            let (found, exact) = (outcome(&scene, &options), outcome(&scene, &reference()));
             let clamps = [&found, &exact].map(|outcome| {
                 let beam = outcome.bump_stop().expect("a bump-stop run");
                 assert_eq!(beam.contacts > 0, what == "stop", "{what}");
@@ -110,7 +100,7 @@ fn voltages_are_those_of_an_independent_program() {
             let scene = bimorph(&[&at[..], &keys].concat());
             let found = estimate(&scene, Precision::F64).expect("a closed form").rms_voltage_v;
             assert_close(resistance, 2f64.sqrt() * found, expected, 1e-5);
-            let steady = run(&scene, &Options { steady_state: true, ..Options::default() });
+            let steady = outcome(&scene, &Options { steady_state: true, ..Options::default() });
             assert_close(resistance, value(steady.rms_voltage_v), found, 1e-3);
         }
     }
@@ -125,7 +115,7 @@ fn the_field_is_that_of_each_layer() {
             ("load.resistance_ohm", "inf"),
             ("run.settle_s", "0"),
         ]);
-        let outcome = run(&scene, &Options::default());
+        let outcome = outcome(&scene, &Options::default());
         let found = outcome.margins.limits.iter().find(|margin| margin.name == "piezo_field_v_per_m");
         found.expect("a limit of the scene").value / value(outcome.peak_voltage_v)
     };

@@ -3,22 +3,11 @@
 //! The other program is not in this repository: event-driven, in NumPy, by the eigenvectors of each state of
 //! contact. SciPy's DOP853 at a tolerance of 10⁻¹² confirmed its event times. The paper's own numbers are lost.
 
-use std::path::Path;
+use cross_crate_tests::{assert_close, fixed, reference, run_beam, shipped, value};
+use host_bench::method::Options;
+use host_bench::scene_file::{Model, Scene};
 
-use cross_crate_tests::{assert_close, value};
-use host_bench::method::{Method, Options};
-use host_bench::outcome::{BumpStopOutcome, Outcome, Particular};
-use host_bench::run::run_scene;
-use host_bench::scene_file::{self, Model, Override, Scene};
-
-/// The shipped scene with these keys changed.
-fn shipped(changes: &[(&str, &str)]) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/bump-stop.toml");
-    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-    scene_file::read(&file, &overrides).expect("the shipped scene is valid")
-}
-
-/// The same from `settle` to `end` with these numbers of modes.
+/// The shipped scene from `settle` to `end` with these numbers of modes.
 fn modes([beam, rod]: [&str; 2], [settle, end]: [&str; 2], changes: &[(&str, &str)]) -> Scene {
     let first = [
         ("parameters.beam_modes", beam),
@@ -26,21 +15,7 @@ fn modes([beam, rod]: [&str; 2], [settle, end]: [&str; 2], changes: &[(&str, &st
         ("run.settle_s", settle),
         ("run.duration_s", end),
     ];
-    shipped(&[&first[..], changes].concat())
-}
-
-fn run(scene: &Scene, options: &Options) -> (Outcome, BumpStopOutcome) {
-    let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
-    let Particular::BumpStop(particular) = outcome.particular.clone() else { panic!("another scene") };
-    (outcome, particular)
-}
-
-fn core(step: f64) -> Options {
-    Options { step_s: Some(step), ..Options::default() }
-}
-
-fn reference() -> Options {
-    Options { method: Method::Reference, ..Options::default() }
+    shipped("bump-stop", &[&first[..], changes].concat())
 }
 
 const MID_SPAN: (&str, &str) = ("stop.position_m", "25e-3");
@@ -56,7 +31,7 @@ fn the_first_contact_is_that_of_another_program() {
     ] {
         let scene = modes(count, ["0", "4e-3"], &[change]);
         let [exact, found] =
-            [reference(), core(1e-6)].map(|options| value(run(&scene, &options).1.first_contact_s));
+            [reference(), fixed(1e-6)].map(|options| value(run_beam(&scene, &options).1.first_contact_s));
         println!("{count:?} {change:?}: reference {exact:e}, core {found:e}");
         assert!((exact - expected).abs() < 1e-12, "{count:?} {change:?}: {exact:e} instead of {expected:e}");
         assert!((found - exact).abs() < 1e-6, "{count:?} {change:?}: {found:e} instead of {exact:e}");
@@ -66,7 +41,8 @@ fn the_first_contact_is_that_of_another_program() {
 #[test]
 fn with_the_stop_at_mid_span_the_statistics_are_those_of_the_reference() {
     let scene = modes(["6", "2"], ["0.3", "0.6"], &[MID_SPAN]);
-    let ((exact, exact_contacts), (found, contacts)) = (run(&scene, &reference()), run(&scene, &core(1e-6)));
+    let ((exact, exact_contacts), (found, contacts)) =
+        (run_beam(&scene, &reference()), run_beam(&scene, &fixed(1e-6)));
     let close = |what: &str, found: Option<f64>, exact: Option<f64>, tolerance: f64| {
         println!("{what}: {} instead of {}", value(found), value(exact));
         assert_close(what, value(found), value(exact), tolerance);
@@ -91,7 +67,7 @@ fn impacts_with_restitution_are_those_of_the_reference() {
     for rod in ["0", "1"] {
         let changes = [("stop.contact", "restitution"), ("stop.restitution", "0.5"), MID_SPAN];
         let scene = modes(["6", rod], ["0.1", "0.4"], &changes);
-        let (exact, found) = (run(&scene, &reference()).0, run(&scene, &core(5e-7)).0);
+        let (exact, found) = (run_beam(&scene, &reference()).0, run_beam(&scene, &fixed(5e-7)).0);
         println!("(6, {rod}): {} {}", value(found.rms_voltage_v), value(exact.rms_voltage_v));
         assert_close("RMS voltage", value(found.rms_voltage_v), value(exact.rms_voltage_v), 0.05);
     }
@@ -102,7 +78,7 @@ fn impacts_with_restitution_are_those_of_the_reference() {
 #[test]
 fn the_peak_force_of_the_constraint_in_each_step_grows_as_the_step_shrinks() {
     let scene = modes(["10", "3"], ["0", "0.03"], &[("stop.contact", "displacement-constraint")]);
-    let runs = [5e-7, 2e-7, 1e-7].map(|step| (step, run(&scene, &core(step))));
+    let runs = [5e-7, 2e-7, 1e-7].map(|step| (step, run_beam(&scene, &fixed(step))));
     let [(_, (coarse, _)), ..] = &runs;
     let impulses = runs.each_ref().map(|(step, (outcome, particular))| {
         let force = value(particular.peak_force_n);
@@ -199,7 +175,7 @@ fn a_linear_force_on_a_rigid_contact_is_not_stable_at_any_step() {
 fn at_mid_span_the_peak_voltage_is_higher_than_at_the_tip() {
     let peak = |change| {
         let scene = modes(["6", "2"], ["0.2", "0.4"], &[change]);
-        value(run(&scene, &core(1e-6)).0.peak_voltage_v)
+        value(run_beam(&scene, &fixed(1e-6)).0.peak_voltage_v)
     };
     let (middle, tip) = (peak(MID_SPAN), peak(("stop.position_m", "50e-3")));
     println!("mid-span {middle} V, tip {tip} V");
@@ -211,7 +187,7 @@ fn at_mid_span_the_peak_voltage_is_higher_than_at_the_tip() {
 fn a_thousand_times_stiffer_rod_leaves_the_voltage() {
     let voltage = |modulus| {
         let scene = modes(["6", "1"], ["0.1", "0.3"], &[("stop.young_modulus_pa", modulus), MID_SPAN]);
-        value(run(&scene, &core(1e-6)).0.rms_voltage_v)
+        value(run_beam(&scene, &fixed(1e-6)).0.rms_voltage_v)
     };
     let [soft, stiff] = ["70e9", "70e12"].map(voltage);
     println!("{soft} V, {stiff} V");
@@ -232,8 +208,8 @@ fn slow_shaking_gives_the_static_slopes() {
             ("excitation.frequency_hz", "2"),
         ];
         let scene = modes(["20", "1"], ["0", "0.5"], &changes);
-        let options = Options { trace_every_s: Some(0.125), ..core(1e-5) };
-        let rows = run(&scene, &options).0.trace.expect("recorded").rows;
+        let options = Options { trace_every_s: Some(0.125), ..fixed(1e-5) };
+        let rows = run_beam(&scene, &options).0.trace.expect("recorded").rows;
         // Open circuit: the voltage is the slope. The base pushes away from the stop, then towards it.
         let (free, propped) = (rows[1][4], rows[3][4]);
         println!("{position}: {free} V, {propped} V: {}", -propped / free);

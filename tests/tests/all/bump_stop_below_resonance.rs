@@ -3,13 +3,9 @@
 //! The other program is not in this repository: finite-element modes, and exact propagation in each of the two
 //! regimes. The orbit with the stop at the tip is not periodic, so statistics are compared only.
 
-use std::path::Path;
-
-use cross_crate_tests::{assert_close, on_all_cores, reference, value};
+use cross_crate_tests::{assert_close, on_all_cores, reference, run_beam, shipped, value};
 use host_bench::method::Options;
-use host_bench::outcome::{BumpStopOutcome, Outcome};
-use host_bench::run::run_scene;
-use host_bench::scene_file::{self, Scene};
+use host_bench::scene_file::{RunSpan, Scene};
 
 /// The numbers of the other program for one scene. Without a stop there are no contacts.
 struct Expected {
@@ -58,20 +54,9 @@ const EXPECTED: [Expected; 3] = [
     },
 ];
 
-fn shipped(name: &str) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes").join(name);
-    scene_file::read(&file.with_extension("toml"), &[]).expect("the shipped scene is valid")
-}
-
-fn run(scene: &Scene, options: &Options) -> (Outcome, BumpStopOutcome) {
-    let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
-    let particular = outcome.bump_stop().expect("a bump-stop run").clone();
-    (outcome, particular)
-}
-
 /// Compares the statistics of a run: those of the electrical output, then those of the contact.
 fn compare(expected: &Expected, options: &Options) {
-    let (found, motion) = run(&shipped(expected.scene), options);
+    let (found, motion) = run_beam(&shipped(expected.scene, &[]), options);
     let close = |what: &str, found: Option<f64>, wanted: f64, tolerance: f64| {
         println!("{}: {what}: {} instead of {wanted}", expected.scene, value(found));
         assert_close(what, value(found), wanted, tolerance);
@@ -108,10 +93,10 @@ fn the_reference_has_the_statistics_of_another_program() {
 
 /// Voltage in V of the storage at the end of a run of so many seconds.
 fn stored(expected: &Expected, duration_s: f64) -> f64 {
-    let charging = shipped("bump-stop-below-resonance-charging");
-    let run_span = scene_file::RunSpan { duration_s, settle_s: 0.0 };
-    let scene = Scene { load: charging.load, run: run_span, ..shipped(expected.scene) };
-    let (outcome, _) = run(&scene, &Options::default());
+    let charging = shipped("bump-stop-below-resonance-charging", &[]);
+    let run_span = RunSpan { duration_s, settle_s: 0.0 };
+    let scene = Scene { load: charging.load, run: run_span, ..shipped(expected.scene, &[]) };
+    let (outcome, _) = run_beam(&scene, &Options::default());
     value(outcome.store.expect("a storage").store_voltage_v)
 }
 

@@ -1,23 +1,12 @@
 //! The bending of the beam at its clamp: the core against the reference, and its closed forms.
 
-use std::path::Path;
-
-use cross_crate_tests::{assert_close, fixed, on_all_cores, reference};
+use cross_crate_tests::{assert_close, fixed, on_all_cores, reference, run_beam, shipped};
 use host_bench::method::Options;
 use host_bench::outcome::ClampOutcome;
-use host_bench::run::run_scene;
-use host_bench::scene_file::{self, Override, Scene};
-
-/// A shipped scene with these keys changed.
-fn shipped(name: &str, changes: &[(&str, &str)]) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes").join(name);
-    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-    scene_file::read(&file.with_extension("toml"), &overrides).expect("the scene is valid")
-}
+use host_bench::scene_file::Scene;
 
 fn clamp(scene: &Scene, options: &Options) -> ClampOutcome {
-    let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
-    outcome.bump_stop().and_then(|found| found.clamp).expect("a bump-stop run has it")
+    run_beam(scene, options).1.clamp.expect("a bump-stop run has it")
 }
 
 fn compare(what: &str, scene: &Scene, options: &Options, tolerances: [f64; 2]) {
@@ -119,8 +108,7 @@ fn a_slow_base_bends_the_clamp_by_the_weight_of_beam_and_tip_mass() {
         ("run.duration_s", "2.0"),
     ];
     let scene = shipped("bump-stop-tip-mass", &changes);
-    let outcome = run_scene(&scene, &Options::default()).unwrap_or_else(|failure| panic!("{failure}"));
-    let found = outcome.bump_stop().expect("a bump-stop run").clone();
+    let (_, found) = run_beam(&scene, &Options::default());
     let clamp = found.clamp.expect("measured");
     // Steel and PZT-5H of 0.2 mm each, 20 mm wide: the neutral axis is as far from the middle as the stiffnesses differ.
     let (width, thickness, length) = (20e-3, 0.2e-3, 30e-3);
@@ -142,6 +130,25 @@ fn a_slow_base_bends_the_clamp_by_the_weight_of_beam_and_tip_mass() {
         piezo * (2.0 * thickness - neutral) * expected,
         1e-3,
     );
+}
+
+/// A free oscillation of one mode turns at `−e^(−πζ/√(1−ζ²))` of the turn before.
+#[test]
+fn the_largest_range_at_the_clamp_is_between_turning_points() {
+    let changes = [
+        ("parameters.beam_modes", "1"),
+        ("parameters.damping_ratio", "0.236"),
+        ("load.resistance_ohm", "0"),
+        ("excitation", "{kind=\"silence\"}"),
+        ("initial.modal_velocity", "[1e-3]"),
+        ("run", "{settle_s=0,duration_s=0.05}"),
+    ];
+    let ratio = 1.0 + (-std::f64::consts::PI * 0.236 / (1.0_f64 - 0.236 * 0.236).sqrt()).exp();
+    for (options, tolerance) in [(Options::default(), 1e-6), (reference(), 1e-5)] {
+        let found = clamp(&shipped("bump-stop-none", &changes), &options);
+        let (range, peak) = (found.clamp_stress_largest_range_pa, found.clamp_stress_peak_pa);
+        assert_close("range", range, ratio * peak, tolerance);
+    }
 }
 
 /// The statistics of a long run; a stop near the resonance halves the peak.

@@ -1,25 +1,21 @@
 //! What the bump-stop figures are made of.
 
-use std::path::Path;
-
-use cross_crate_tests::{assert_close, fixed};
+use cross_crate_tests::{assert_close, fixed, shipped};
 use host_bench::embedded::deflected_shapes;
 use host_bench::figures::bump_stop::{CONTACT_FORCE, Motion, TIP};
 use host_bench::method::Options;
 use host_bench::run::run_scene;
-use host_bench::scene_file::{self, RunSpan, Scene};
+use host_bench::scene_file::{RunSpan, Scene};
 
-fn shipped(name: &str, duration_s: f64) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes").join(name);
-    let scene = scene_file::read(&file, &[]).expect("the shipped scene is valid");
-    Scene { run: RunSpan { duration_s, settle_s: 0.0 }, ..scene }
+fn over(name: &str, duration_s: f64) -> Scene {
+    Scene { run: RunSpan { duration_s, settle_s: 0.0 }, ..shipped(name, &[]) }
 }
 
 /// The sum of the mode shapes ends where the trace, which sums values of its own at the tip, says, and is
 /// level and at rest at the clamp.
 #[test]
 fn a_deflected_shape_ends_at_the_tip_of_the_trace() {
-    let scene = shipped("bump-stop-mid-span.toml", 0.02);
+    let scene = over("bump-stop-mid-span", 0.02);
     let step = 2e-6;
     let instants = [4e-3, 9e-3, 15e-3];
     let shapes = deflected_shapes(&scene, &fixed(step), &instants, 200).expect("it can be run");

@@ -1,13 +1,11 @@
 //! The bump-stop beam with a tip mass: the core against finite elements and against the reference.
 
 use std::f64::consts::TAU;
-use std::path::Path;
 
-use cross_crate_tests::{assert_close, fixed, on_all_cores, reference};
+use cross_crate_tests::{assert_close, fixed, on_all_cores, reference, run_beam, shipped};
 use host_bench::method::Options;
-use host_bench::outcome::{BumpStopOutcome, Outcome};
-use host_bench::run::run_scene;
-use host_bench::scene_file::{self, Override, Scene};
+use host_bench::outcome::Outcome;
+use host_bench::scene_file::Scene;
 use model_core::part::load::Resistor;
 use model_core::part::monomorph::Layer;
 use model_core::scene::bump_stop::{Choices, NoStop, Parameters, Resistive, TipMass, TwoWay};
@@ -186,20 +184,12 @@ fn finite_elements_have_the_same_participations_slopes_and_response() {
 }
 
 /// The shipped scene with a tip mass, with these keys changed.
-fn shipped(changes: &[(&str, &str)]) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/bump-stop-tip-mass.toml");
-    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-    scene_file::read(&file, &overrides).expect("the scene is valid")
-}
-
-fn run(scene: &Scene, options: &Options) -> (Outcome, BumpStopOutcome) {
-    let outcome = run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"));
-    let particular = outcome.bump_stop().expect("a bump-stop run").clone();
-    (outcome, particular)
+fn loaded(changes: &[(&str, &str)]) -> Scene {
+    shipped("bump-stop-tip-mass", changes)
 }
 
 fn compare(what: &str, scene: &Scene, options: &Options, tolerance: f64) {
-    let ((found, core), (exact, by_reference)) = (run(scene, options), run(scene, &reference()));
+    let ((found, core), (exact, by_reference)) = (run_beam(scene, options), run_beam(scene, &reference()));
     println!("{what}: {core:?}\n{by_reference:?}");
     let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let (clamp, exact_clamp) = (core.clamp.expect("measured"), by_reference.clamp.expect("measured"));
@@ -223,7 +213,7 @@ fn the_core_is_the_reference() {
     let few = [("parameters.beam_modes", "5"), ("stop.rod_modes", "2")];
     let with = |more: &[(&'static str, &'static str)]| [&few[..], more].concat();
     let free = with(&[("stop.gap_m", "1e-2"), ("run.settle_s", "0.05"), ("run.duration_s", "0.15")]);
-    compare("free", &shipped(&free), &Options::default(), 1e-3);
+    compare("free", &loaded(&free), &Options::default(), 1e-3);
     for (name, position) in [("tip", "30e-3"), ("mid-span", "15e-3")] {
         let gap = if name == "tip" { "60e-6" } else { "15e-6" };
         let changes = with(&[
@@ -232,7 +222,7 @@ fn the_core_is_the_reference() {
             ("run.settle_s", "0"),
             ("run.duration_s", "25e-3"),
         ]);
-        compare(name, &shipped(&changes), &fixed(2e-7), 1e-2);
+        compare(name, &loaded(&changes), &fixed(2e-7), 1e-2);
     }
     let one_way = with(&[
         ("parameters.coupling", "one-way"),
@@ -240,7 +230,7 @@ fn the_core_is_the_reference() {
         ("run.settle_s", "0"),
         ("run.duration_s", "25e-3"),
     ]);
-    compare("one-way", &shipped(&one_way), &fixed(2e-7), 1e-2);
+    compare("one-way", &loaded(&one_way), &fixed(2e-7), 1e-2);
 }
 
 #[test]
@@ -257,8 +247,8 @@ fn both_have_the_same_natural_frequencies() {
             ("run.settle_s", "0"),
             ("run.duration_s", "1e-5"),
         ];
-        let scene = shipped(&changes);
-        let ((_, core), (_, exact)) = (run(&scene, &Options::default()), run(&scene, &reference()));
+        let scene = loaded(&changes);
+        let ((_, core), (_, exact)) = (run_beam(&scene, &Options::default()), run_beam(&scene, &reference()));
         let pairs = core.beam_natural_frequencies_hz.iter().zip(&exact.beam_natural_frequencies_hz);
         for (found, exact) in pairs {
             assert_close(mass, *found, *exact, 1e-11);
@@ -273,8 +263,9 @@ fn both_have_the_same_natural_frequencies() {
 #[ignore = "nightly: half a minute"]
 fn the_statistics_of_the_shipped_scene_are_those_of_the_reference() {
     on_all_cores(&["bump-stop-tip-mass"], |_| {
-        let scene = shipped(&[]);
-        let ((found, _), (exact, _)) = (run(&scene, &Options::default()), run(&scene, &reference()));
+        let scene = loaded(&[]);
+        let ((found, _), (exact, _)) =
+            (run_beam(&scene, &Options::default()), run_beam(&scene, &reference()));
         let power = |outcome: &Outcome| outcome.mean_power_w.expect("measured");
         assert_close("power", power(&found), power(&exact), 0.03);
     });

@@ -1,24 +1,18 @@
 //! The closed form of the beam against trajectories: where one is claimed to hold it does, and where the motion leaves its
 //! regime it says so.
 
-use std::path::Path;
-
-use cross_crate_tests::{GRAVITY, assert_close, on_all_cores, periods, reference, resistor, sine, value};
+use cross_crate_tests::{
+    GRAVITY, assert_close, on_all_cores, outcome, periods, reference, resistor, shipped, sine, value,
+};
 use host_bench::closed_form::estimate;
 use host_bench::method::{Options, Precision};
-use host_bench::outcome::{Outcome, Particular};
-use host_bench::run::run_scene;
-use host_bench::scene_file::{self, Model, Scene};
-
-fn run(scene: &Scene, options: &Options) -> Outcome {
-    run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"))
-}
+use host_bench::scene_file::{Model, Scene};
 
 /// The closed form in single precision, as a node has it, must hold and have the mean power of the reference.
 fn compare(cases: &[(Scene, f64)]) {
     let found = on_all_cores(cases, |(scene, _)| {
         let estimate = estimate(scene, Precision::F32).expect("one sine");
-        (estimate, run(scene, &reference()))
+        (estimate, outcome(scene, &reference()))
     });
     for ((scene, tolerance), (estimate, outcome)) in cases.iter().zip(found) {
         let what = format!("{} at {:?}, {:?}", scene.name(), scene.excitation, scene.load);
@@ -29,8 +23,7 @@ fn compare(cases: &[(Scene, f64)]) {
 }
 
 fn beam(name: &str, amplitude: f64, frequency_hz: f64, resistance: f64) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes").join(name);
-    let mut scene = scene_file::read(&file, &[]).expect("the shipped scene is valid");
+    let mut scene = shipped(name, &[]);
     // Few modes: the reference resolves the fastest.
     let Model::BumpStop(model) = &mut scene.model else { panic!("a bump-stop scene") };
     model.parameters.beam_modes = 4;
@@ -47,9 +40,9 @@ fn beam(name: &str, amplitude: f64, frequency_hz: f64, resistance: f64) -> Scene
 #[test]
 fn a_beam_clear_of_its_stop_delivers_what_the_reference_says() {
     compare(&[
-        (beam("bump-stop-none.toml", 20.0, 220.0, 1e6), 1e-3),
-        (beam("bump-stop-none.toml", 20.0, 240.0, 2e4), 1e-3),
-        (beam("bump-stop.toml", 2.0, 220.0, 1e5), 1e-3),
+        (beam("bump-stop-none", 20.0, 220.0, 1e6), 1e-3),
+        (beam("bump-stop-none", 20.0, 240.0, 2e4), 1e-3),
+        (beam("bump-stop", 2.0, 220.0, 1e5), 1e-3),
     ]);
 }
 
@@ -57,15 +50,14 @@ fn a_beam_clear_of_its_stop_delivers_what_the_reference_says() {
 #[test]
 fn motions_out_of_the_regime_are_flagged() {
     let cases = [
-        beam("bump-stop.toml", 20.0, 220.0, 1e6),
-        beam("bump-stop.toml", 5.0, 235.0, 1e6),
-        beam("bump-stop-mid-span.toml", 20.0, 220.0, 1e6),
+        beam("bump-stop", 20.0, 220.0, 1e6),
+        beam("bump-stop", 5.0, 235.0, 1e6),
+        beam("bump-stop-mid-span", 20.0, 220.0, 1e6),
     ];
-    let outcomes = on_all_cores(&cases, |scene| run(scene, &Options::default()));
+    let outcomes = on_all_cores(&cases, |scene| outcome(scene, &Options::default()));
     for (scene, outcome) in cases.iter().zip(outcomes) {
-        let Particular::BumpStop(motion) = &outcome.particular else { panic!("a beam") };
-        let counted = motion.contacts;
-        assert!(counted > 0, "{:?} is regular", scene.excitation);
+        let motion = outcome.bump_stop().expect("a beam");
+        assert!(motion.contacts > 0, "{:?} is regular", scene.excitation);
         let estimate = estimate(scene, Precision::F32).expect("one sine");
         assert!(!estimate.holds(), "{} {:?}: {estimate:?}", scene.name(), scene.excitation);
     }

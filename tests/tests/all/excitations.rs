@@ -3,21 +3,20 @@
 use std::f64::consts::{PI, TAU};
 
 use cross_crate_tests::{
-    adaptive, assert_close, contact_separation, fixed, on_all_cores, reference, resistor, single, value,
+    adaptive, assert_close, contact_separation, fixed, on_all_cores, outcome, reference, resistor, shipped,
+    single, value,
 };
 use host_bench::method::Options;
-use host_bench::outcome::Outcome;
-use host_bench::run::run_scene;
 use host_bench::scene_file::modes::BumpStopModes;
 use host_bench::scene_file::{
-    self, BumpStop, Burst, BurstShape, Excitation, ForceLaw, Model, Random, RunSpan, Scene, Sweep,
+    BumpStop, Burst, BurstShape, Excitation, ForceLaw, Model, Random, RunSpan, Scene, Sweep,
 };
 use host_bench::seeds::SampleStatistics;
 use nalgebra::Complex;
 
 /// The linear beam with some modes.
 fn beam(modes: usize, excitation: Excitation, [settle_s, duration_s]: [f64; 2]) -> (Scene, BumpStop) {
-    let mut scene = scene_file::read(&scene_file::shipped("bump-stop-none"), &[]).expect("valid");
+    let mut scene = shipped("bump-stop-none", &[]);
     let Model::BumpStop(mut model) = scene.model.clone() else { panic!("another scene") };
     model.parameters.beam_modes = modes;
     model.initial.modal_displacement = vec![0.0; modes];
@@ -35,10 +34,6 @@ fn random(density: &[[f64; 2]], lines: u32, seed: u64) -> Excitation {
 fn shock(amplitude_m_per_s2: f64, duration_s: f64, start_s: f64) -> Excitation {
     let shape = BurstShape::HalfSine { duration_s };
     Excitation::Burst(Burst { amplitude_m_per_s2, shape, start_s, period_s: None })
-}
-
-fn outcome(scene: &Scene, options: &Options) -> Outcome {
-    run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"))
 }
 
 /// `∫ |h(f)|² S df` over a flat density of `level` by Simpson's rule.

@@ -77,7 +77,7 @@ const SCENES: [(&str, Change); 17] = [
         scene.run = RunSpan { duration_s: 1.5, settle_s: 0.3 };
     }),
     ("let go near the dielectric", |scene, model| {
-        model.initial.gap_m = Some(1e-4);
+        model.initial.position_m = Some(1e-4);
         model.initial.velocity_m_per_s = Some(-0.3);
         scene.excitation = Excitation::Silence;
         scene.run = RunSpan { duration_s: 1.0, settle_s: 0.0 };

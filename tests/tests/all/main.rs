@@ -16,6 +16,7 @@ mod exponential_radau;
 mod findings;
 mod ledger;
 mod limits;
+mod modes;
 mod node_day;
 mod node_hours;
 mod node_runner;

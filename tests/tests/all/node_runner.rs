@@ -199,13 +199,16 @@ impl Board for Bench {
     }
 }
 
-fn resumed(mut board: Bench) -> OneRunner {
+fn resumed(board: Bench) -> OneRunner {
+    resumed_on(node(), board, Outage::OnUntil)
+}
+
+fn resumed_on(node: &'static OneNode, mut board: Bench, outage: fn(u32) -> Outage) -> OneRunner {
     // What was in the memory of the sensor and of the processor is lost.
     board.stop_sensor();
     let second = board.second;
-    let mut runner = OneRunner::new(board, node(), second);
-    let mut buffer = [0; SLOT_BYTES];
-    runner.resume(&mut buffer, Outage::OnUntil(second)).expect("an image");
+    let mut runner = OneRunner::new(board, node, second);
+    runner.resume(&mut [0; SLOT_BYTES], outage(second)).expect("an image");
     runner
 }
 

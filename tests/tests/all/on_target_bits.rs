@@ -3,13 +3,12 @@
 //! That the bits on each core are those of the host is checked by `host-bench on-target`, which has
 //! the cores; this needs none.
 
-use std::path::Path;
-
+use cross_crate_tests::shipped;
 use firmware_example::workload::{Progress, Visit, Workload, bump_stop, contact_separation, sliding};
 use host_bench::embedded::{bump_stop_parameters, contact_separation_parameters, sliding_parameters};
 use host_bench::method::{Method, Options};
 use host_bench::run::run_scene;
-use host_bench::scene_file::{self, Model, Scene};
+use host_bench::scene_file::Model;
 use model_core::integrate::{Adaptive, AnyStepControl, ExponentialRadau, FixedStep, RungeKutta4};
 use model_core::scalar::Polynomial;
 use model_core::scene::bump_stop::AnyChoices;
@@ -30,14 +29,9 @@ fn states_of(workloads: fn(Visit<'_>) -> Option<()>) -> Vec<Vec<Vec<u32>>> {
     all
 }
 
-fn shipped(name: &str) -> Scene {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes");
-    scene_file::read(&folder.join(name), &[]).expect("the shipped scene is valid")
-}
-
 #[test]
 fn parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
-    let scene = shipped("contact-separation.toml");
+    let scene = shipped("contact-separation", &[]);
     let model = scene.contact_separation().expect("a contact-separation scene");
     let parameters = contact_separation_parameters::<f32, Polynomial>(model, scene.load);
     let control = AnyStepControl::Adaptive(Adaptive::new(contact_separation::TOLERANCE).expect("in bounds"));
@@ -51,7 +45,7 @@ fn parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
 
 #[test]
 fn sliding_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
-    let scene = shipped("sliding.toml");
+    let scene = shipped("sliding", &[]);
     let model = scene.sliding().expect("a sliding scene");
     let parameters = sliding_parameters::<f32>(model, scene.load);
     let step = AnyStepControl::Fixed(FixedStep::of_seconds(sliding::STEP).expect("in bounds"));
@@ -72,7 +66,7 @@ fn sliding_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
 #[test]
 fn bump_stop_parts_chosen_at_run_time_give_the_bits_of_the_firmware() {
     use bump_stop::{BEAM_MODES, IMPACTING, LONG, ROD_MODES, SHORT, TOUCHING, TOUCHING_STEPS, bench, others};
-    let scene = shipped("bump-stop.toml");
+    let scene = shipped("bump-stop", &[]);
     let Model::BumpStop(model) = &scene.model else { panic!("a bump-stop scene") };
     let mut parameters = bump_stop_parameters::<f32>(model, scene.load);
     let mut any = |plan, gap, steps| {
@@ -93,7 +87,7 @@ fn the_emitted_scene_holds_the_mean_power_of_the_shipped_one() {
 
     let states = states_of(emitted::bench);
     let [_, window] = &states[0][..] else { panic!("two stretches") };
-    let shipped = shipped("contact-separation-passive.toml");
+    let shipped = shipped("contact-separation-passive", &[]);
     let power = f64::from(f32::from_bits(window[0])) / shipped.run.window_s();
     let change = |exact: f64| (power / exact - 1.0).abs();
     assert!(change(f64::from(scene::MEAN_POWER)) <= f64::from(scene::ACCURACY));

@@ -9,14 +9,10 @@
 //! and are up to 6e-4 lower than the peaks of the steady states here. With much charge, and more friction, they
 //! agree to 5e-5 Hz. The reference, below, agrees with the steady states.
 
-use std::path::Path;
-
-use cross_crate_tests::{adaptive, on_all_cores, periods, resistor, sine, value};
+use cross_crate_tests::{adaptive, on_all_cores, outcome, periods, resistor, shipped, sine, slide, value};
 use host_bench::embedded::resonance_peak;
 use host_bench::method::{Method, Options};
-use host_bench::outcome::Particular;
-use host_bench::run::run_scene;
-use host_bench::scene_file::{self, RunSpan, Scene, SlidingStart};
+use host_bench::scene_file::{RunSpan, Scene, TriboelectricStart};
 
 /// Charge density in C/m², resistance in Ω, shift of the peak from the natural frequency in Hz, peak
 /// amplitude in mm, largest RMS voltage in V.
@@ -67,8 +63,7 @@ const ROWS: [Row; 40] = [
 
 /// The shipped sliding scene at 0.36 g.
 fn scene(density: f64, resistance: f64) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes/sliding.toml");
-    let mut scene = scene_file::read(&file, &[]).expect("the shipped scene is valid");
+    let mut scene = shipped("sliding", &[]);
     let model = scene.sliding_mut().expect("a sliding scene");
     model.parameters.charge_density_c_per_m2 = density;
     scene.load = resistor(resistance);
@@ -157,21 +152,18 @@ fn amplitudes(scene: &Scene, frequency: f64) -> [f64; 2] {
     scene.excitation = sine(0.36, frequency);
     scene.run = RunSpan { duration_s: (f64::from(SETTLED) + 0.5) * period, settle_s: 0.0 };
     let transient = Options { trace_every_s: Some(period), ..adaptive(1e-5) };
-    let outcome = run_scene(&scene, &transient).unwrap_or_else(|failure| panic!("{failure}"));
-    let rows = outcome.trace.expect("a trace was asked for").rows;
+    let rows = outcome(&scene, &transient).trace.expect("a trace was asked for").rows;
     let [_, displacement, velocity, charge, ..] = rows[SETTLED as usize][..] else { panic!("short rows") };
     let model = scene.sliding_mut().expect("a sliding scene");
-    model.initial = SlidingStart {
-        displacement_m: Some(displacement),
+    model.initial = TriboelectricStart {
+        position_m: Some(displacement),
         velocity_m_per_s: Some(velocity),
         charge_c: Some(charge),
     };
     scene.run = periods(frequency, 6, 2);
     [Method::Auto, Method::Reference].map(|method| {
         let options = Options { method, tolerance: Some(1e-7), ..Options::default() };
-        let outcome = run_scene(&scene, &options).unwrap_or_else(|failure| panic!("{failure}"));
-        let Particular::Sliding(motion) = &outcome.particular else { panic!("a sliding run") };
-        value(motion.amplitude_m)
+        value(slide(&scene, &options).1.amplitude_m)
     })
 }
 

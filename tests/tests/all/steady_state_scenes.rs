@@ -1,32 +1,17 @@
 //! The periodic steady state by shooting of bump-stop, and behind a bridge into a constant voltage: against closed forms,
 //! and against long transients of the same core.
 
-use std::path::Path;
-
-use cross_crate_tests::{adaptive, assert_close, on_all_cores, relative_difference, value};
+use cross_crate_tests::{adaptive, assert_close, on_all_cores, outcome, relative_difference, shipped, value};
 use host_bench::closed_form::estimate;
 use host_bench::embedded::{Search, best_resistance, search};
 use host_bench::method::{Failure, Options, Precision};
 use host_bench::outcome::Outcome;
-use host_bench::run::run_scene;
-use host_bench::scene_file::{self, Override, Scene};
+use host_bench::scene_file::{Excitation, Scene};
 use host_bench::steady_state::{Response, resonance};
-
-/// A shipped scene with these keys changed.
-fn shipped(name: &str, changes: &[(&str, &str)]) -> Scene {
-    let file =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-bench/scenes").join(format!("{name}.toml"));
-    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-    scene_file::read(&file, &overrides).expect("the shipped scene is valid")
-}
-
-fn run(scene: &Scene, options: &Options) -> Outcome {
-    run_scene(scene, options).unwrap_or_else(|failure| panic!("{failure}"))
-}
 
 /// The outcome of shooting, which must find the orbit to which the transient goes.
 fn shot(scene: &Scene, options: &Options) -> Outcome {
-    let outcome = run(scene, &Options { steady_state: true, ..*options });
+    let outcome = outcome(scene, &Options { steady_state: true, ..*options });
     let found = outcome.steady_state.as_ref().expect("it was sought");
     assert_eq!(found.steady_state, "stable-period-1", "{:?}: {:?}", scene.load, outcome.warnings);
     assert_eq!(found.steady_state_residual, None);
@@ -85,7 +70,7 @@ fn a_free_beam_shoots_to_where_its_transient_ends() {
     let changes = [("run.duration_periods", "600"), ("run.settle_periods", "599")];
     let scene = shipped("bump-stop-none", &changes);
     let found = shot(&scene, &Options::default());
-    let long = run(&scene, &Options::default());
+    let long = outcome(&scene, &Options::default());
     // The peak is that of a cubic between the ends of steps of 20 µs, at another phase in each.
     assert!(apart(&found, &long) < 5e-8, "{}", apart(&found, &long));
     assert!(found.steps < long.steps / 2);
@@ -113,7 +98,7 @@ fn a_soft_contact_has_an_orbit() {
             ],
         );
         let found = shot(&scene, &Options::default());
-        let long = run(&scene, &Options::default());
+        let long = outcome(&scene, &Options::default());
         let motion = found.bump_stop().expect("a beam");
         println!("{beam}, {rod}, {compliance}: {:.1e} apart, {motion:?}", apart(&found, &long));
         assert!((value(motion.contacts_per_period) - 1.0).abs() < 1e-9);
@@ -129,7 +114,7 @@ fn a_soft_contact_has_an_orbit() {
 #[test]
 fn a_chattering_beam_has_none_and_says_so() {
     let scene = shipped("bump-stop", &[("run.duration_s", "0.6"), ("run.settle_s", "0.3")]);
-    let found = run(&scene, &Options { steady_state: true, ..Options::default() });
+    let found = outcome(&scene, &Options { steady_state: true, ..Options::default() });
     let verdict = found.steady_state.clone().expect("it was sought");
     assert_eq!((verdict.steady_state, verdict.largest_multiplier), ("none", None));
     let left = value(verdict.steady_state_residual);
@@ -139,7 +124,7 @@ fn a_chattering_beam_has_none_and_says_so() {
         "{:?}",
         found.warnings
     );
-    assert_eq!(found.mean_power_w, run(&scene, &Options::default()).mean_power_w);
+    assert_eq!(found.mean_power_w, outcome(&scene, &Options::default()).mean_power_w);
 }
 
 /// Behind a bridge into a bus: with impacts, with friction, and of the beam; the long transient ends there.
@@ -182,7 +167,7 @@ fn behind_a_bridge_the_orbit_is_that_of_the_transient() {
     on_all_cores(&cases, |(name, changes, options, allowed)| {
         let scene = shipped(name, &[&long[..], changes].concat());
         let found = shot(&scene, options);
-        let transient = run(&scene, options);
+        let transient = outcome(&scene, options);
         println!("{name}: {:.1e} apart, {:?} W", apart(&found, &transient), found.mean_power_w);
         assert!(apart(&found, &transient) < *allowed, "{name}: {:e}", apart(&found, &transient));
         // Power and charge per second.
@@ -264,7 +249,7 @@ fn the_beam_resonates_higher_with_open_terminals() {
 }
 
 fn set_frequency(scene: &mut Scene, hertz: f64) {
-    if let scene_file::Excitation::Sine(tone) = &mut scene.excitation {
+    if let Excitation::Sine(tone) = &mut scene.excitation {
         tone.frequency_hz = hertz;
     }
 }

@@ -46,14 +46,12 @@ const LOOSEST: f64 = 5e-2;
 const TIGHTEST: f64 = f32::EPSILON as f64;
 
 /// The relative error of the mean power that a run without options aims at, in single or in double precision.
-#[must_use]
 pub fn default_accuracy(scene: &Scene, precision: Precision) -> f64 {
     let is_single_slider = precision == Precision::F32 && scene.sliding().is_ok();
     if is_single_slider { SINGLE_SLIDING_ACCURACY } else { DEFAULT_ACCURACY }
 }
 
 /// The tolerance of exponential Radau for a relative error of the mean power of `accuracy`.
-#[must_use]
 pub fn tolerance(scene: &Scene, accuracy: f64) -> f64 {
     let root = accuracy.sqrt();
     let tolerance = match (scene.load, scene.contact_separation()) {

@@ -54,7 +54,6 @@ pub fn parameters<S: Scalar, M: Mathematics<S>>(
     } })
 }
 
-/// The core's name of a force law.
 pub(super) fn force_law(law: ForceLaw) -> AnyForceLaw {
     match law {
         ForceLaw::TransferredCharge => AnyForceLaw::TransferredCharge,
@@ -82,7 +81,7 @@ impl Triboelectric for ContactSeparation {
 
     fn start<S: Scalar>(&self) -> Start<S> {
         Start {
-            gap: self.initial.gap_m.map(S::from_f64),
+            gap: self.initial.position_m.map(S::from_f64),
             velocity: self.initial.velocity_m_per_s.map(S::from_f64),
             charge: self.initial.charge_c.map(S::from_f64),
         }

@@ -23,7 +23,6 @@ pub(super) const UNUSED: [f64; 2] = [0.0, 1.0];
 /// does.
 pub(super) type Gauge<'a, S> = (Box<dyn FnMut(&AcceptedStep<'_, S>, S) -> Pairs + 'a>, u32);
 
-/// The values of the limits of a scene.
 pub(super) fn limits<const N: usize>(scene: &Scene) -> [f64; N] {
     std::array::from_fn(|index| scene.limits.get(index).map_or(f64::INFINITY, |(_, limit)| *limit))
 }

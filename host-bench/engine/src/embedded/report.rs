@@ -46,7 +46,6 @@ pub(super) trait Report<S: Scalar, H: Harvester<S>> {
 
 /// What a run found, for the scene to make its own numbers of.
 pub(super) struct RunSummary<'a, S: Scalar> {
-    /// The measuring window.
     pub(super) window: &'a RunMeter<S>,
     /// Time of the first contact or impact of the whole run.
     pub(super) first_contact: Option<Instant>,

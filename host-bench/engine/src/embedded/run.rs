@@ -20,12 +20,10 @@ use harvester_scene::outcome::{CreatedEnergy, EnergyFlow, Margins, Outcome, Reco
 use harvester_scene::progress;
 use harvester_scene::scene_file::{Load, Random, RunSpan, Scene};
 
-/// The refusal of a parameter by the core.
 pub(super) fn refuse_parameter(scene: &Scene, error: &dyn Display) -> Failure {
     Failure::of_file(scene, format!("parameters.{error}"))
 }
 
-/// The refusal of a start by the core.
 pub(super) fn refuse_start(scene: &Scene, error: &dyn Display) -> Failure {
     Failure::of_file(scene, format!("initial.{error}"))
 }

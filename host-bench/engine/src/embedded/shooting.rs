@@ -44,7 +44,6 @@ trait Kind {
     fn follow(&mut self, setting: Setting<'_, f64>, spent: &mut Spent) -> Result<Option<Response>, Failure>;
 }
 
-/// The kind of a scene.
 fn kind<'a, M: Mathematics<f64> + 'a>(scene: &'a Scene) -> Box<dyn Kind + 'a> {
     let resistive = matches!(scene.load, Load::Resistor { .. });
     by_harvester!(scene,

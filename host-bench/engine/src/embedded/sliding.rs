@@ -50,7 +50,7 @@ impl Triboelectric for Sliding {
 
     fn start<S: Scalar>(&self) -> Start<S> {
         Start {
-            displacement: self.initial.displacement_m.map(S::from_f64),
+            displacement: self.initial.position_m.map(S::from_f64),
             velocity: self.initial.velocity_m_per_s.map(S::from_f64),
             charge: self.initial.charge_c.map(S::from_f64),
         }

@@ -30,12 +30,10 @@ pub(super) trait Triboelectric {
     type Core<S: Scalar, M: Mathematics<S>>: ElectricalPort<S>
         + CoreScene<S, STATES, 0, Start = Self::Start<S>, Mode: Send + Sync>
         + CoreScene<S, STATES, ALL_POWERS, Start = Self::Start<S>, Mode: Send + Sync>;
-    /// The core's initial values.
     type Start<S: Scalar>;
     /// Columns of a trace without a storage: the second is the coordinate.
     const COLUMNS: [&'static str; 7];
 
-    /// The core's harvester of a scene.
     fn core<S: Scalar, M: Mathematics<S>>(&self, scene: &Scene) -> Result<Self::Core<S, M>, Failure>;
 
     fn start<S: Scalar>(&self) -> Self::Start<S>;
@@ -182,7 +180,6 @@ impl<'a, S: Scalar, A: Copy, T: Triboelectric> Prepared<'a, S, A, T> {
         Simulation::with_all_powers(self.core, method, self.control)
     }
 
-    /// A run of the simulation.
     pub(super) fn run<'b, I, const N: usize>(
         &'b self,
         simulation: &'b Simulated<S, A, I, N>,

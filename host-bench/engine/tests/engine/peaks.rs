@@ -1,11 +1,9 @@
 //! Peaks of a run: what counts at the start, behind a bridge and between steps; and voltages within a rounding.
 
-use std::path::Path;
-
 use harvester_engine::embedded;
 use harvester_scene::method::{Failure, Method, Options, Precision};
 use harvester_scene::outcome::{ClampOutcome, Outcome};
-use harvester_scene::scene_file::{self, Override};
+use harvester_scene::scene_file;
 
 fn in_precision(precision: Precision) -> Options {
     Options { precision: Some(precision), ..Options::default() }
@@ -13,9 +11,7 @@ fn in_precision(precision: Precision) -> Options {
 
 /// A run of a shipped scene with these keys changed.
 fn run(name: &str, changes: &[(&str, &str)], options: &Options) -> Result<Outcome, Failure> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name).with_extension("toml");
-    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-    embedded::run(&scene_file::read(&file, &overrides).expect("the scene is valid"), options)
+    embedded::run(&scene_file::read_shipped(name, changes).expect("valid"), options)
 }
 
 fn peak(name: &str, changes: &[(&str, &str)], options: &Options) -> f64 {
@@ -90,23 +86,6 @@ fn behind_a_bus_the_peak_is_its_threshold() {
         let outcome = run(scene, &changes, &rough).expect("runs");
         close(scene, outcome.peak_voltage_v.expect("finite"), 1.6, 1e-6);
     }
-}
-
-/// A free oscillation of one mode turns at `−e^(−πζ/√(1−ζ²))` of the turn before.
-#[test]
-fn the_largest_range_at_the_clamp_is_between_turning_points() {
-    let damping: f64 = 0.236;
-    let found = clamp(&[
-        ("parameters.beam_modes", "1"),
-        ("parameters.damping_ratio", "0.236"),
-        ("load.resistance_ohm", "0"),
-        ("excitation", "{kind=\"silence\"}"),
-        ("initial.modal_velocity", "[1e-3]"),
-        ("run.settle_s", "0"),
-        ("run.duration_s", "0.05"),
-    ]);
-    let ratio = 1.0 + (-std::f64::consts::PI * damping / (1.0 - damping * damping).sqrt()).exp();
-    close("range", found.clamp_stress_largest_range_pa, ratio * found.clamp_stress_peak_pa, 1e-6);
 }
 
 /// 4.4999999 is 4.5 in single precision.

@@ -1,7 +1,5 @@
 //! The smallest and the largest sliding harvester.
 
-use std::path::Path;
-
 use harvester_engine::embedded::sliding_parameters;
 use harvester_scene::scene_file::{self, Load, Sliding, SlidingParameters};
 
@@ -9,8 +7,7 @@ use harvester_scene::scene_file::{self, Load, Sliding, SlidingParameters};
 /// coefficients of both.
 #[test]
 fn the_smallest_and_the_largest_sliding_harvester_can_be_built_in_single_precision() {
-    let shipped = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/sliding.toml"));
-    let scene = scene_file::read(shipped, &[]).expect("the shipped scene");
+    let scene = scene_file::read_shipped("sliding", &[]).expect("the shipped scene");
     let shipped = scene.sliding().expect("a sliding scene");
     let load = Load::Resistor { resistance_ohm: 1e8 };
     // Length, width, thickness, Young's modulus, density, slider, radius, dielectric, permittivity, charge.

@@ -2,14 +2,13 @@
 
 use harvester_engine::embedded::steady_state;
 use harvester_scene::method::{Failure, Options};
-use harvester_scene::scene_file::{Override, read, shipped};
+use harvester_scene::scene_file::read_shipped;
 
 /// A period of 10⁶ s has more steps than a day computes.
 #[test]
 fn a_search_over_a_long_period_is_given_up() {
-    let slow = Override::new("excitation.frequency_hz", "1e-6");
     for name in ["contact-separation", "bump-stop"] {
-        let scene = read(&shipped(name), std::slice::from_ref(&slow)).expect("a valid scene");
+        let scene = read_shipped(name, &[("excitation.frequency_hz", "1e-6")]).expect("a valid scene");
         let options = Options { steady_state: true, most_attempts: Some(100_000), ..Options::default() };
         let found = steady_state(&scene, &options);
         let Err(Failure::StepLimitExceeded(told)) = found else { panic!("{name}: {found:?}") };

@@ -2,7 +2,7 @@
 
 use harvester_engine::embedded::Midnight;
 use harvester_scene::method::{Options, Precision};
-use harvester_scene::scene_file::{HOURS, Override, Scene, Storage, read, shipped};
+use harvester_scene::scene_file::{HOURS, Scene, Storage, read_shipped};
 
 const STORAGE: Storage = Storage {
     battery: None,
@@ -18,9 +18,8 @@ const STORAGE: Storage = Storage {
 };
 
 fn scene() -> Scene {
-    let file = shipped("contact-separation");
     let load = "{kind='rectified-store',capacitance_f=1e-5,diode_drop_v=0.2,leakage_ohm=1e8,initial_v=0.0}";
-    read(&file, &[Override::new("load", load)]).expect("a good scene")
+    read_shipped("contact-separation", &[("load", load)]).expect("a good scene")
 }
 
 fn midnight<'a>(scene: &'a Scene, options: &'a Options, hours: &'a [f64; HOURS]) -> Midnight<'a> {
@@ -64,8 +63,7 @@ fn the_energy_of_the_store_is_what_came_less_what_went_however_the_draw_changes(
 
 #[test]
 fn scenes_that_do_not_last_a_day_are_refused() {
-    let file = shipped("bump-stop");
-    let scene = read(&file, &[]).expect("a good scene");
+    let scene = read_shipped("bump-stop", &[]).expect("a good scene");
     let options = Options::default();
     let refused = midnight(&scene, &options, &[1.0; HOURS]).with_store_in_loop(|_| Ok(()));
     assert!(refused.is_err_and(|failure| failure.to_string().contains("\"sliding\" with --exact")));

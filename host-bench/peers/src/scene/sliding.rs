@@ -46,7 +46,6 @@ pub(crate) struct Sliding {
     force_law: ForceLaw,
 }
 
-/// The overlap at a displacement.
 struct Overlap {
     active: f64,
     inert: f64,

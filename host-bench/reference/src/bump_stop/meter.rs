@@ -11,7 +11,6 @@ use harvester_scene::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, ClampOutcome,
 use harvester_scene::rainflow::Rainflow;
 use harvester_scene::scene_file::Scene;
 
-/// Columns of a recording.
 const COLUMNS: &[&str; 8] = &with_store(BUMP_STOP_COLUMNS);
 
 /// The values of a linear quantity along a step of `ticks` between two vectors: at the start, at a turn, at the end.

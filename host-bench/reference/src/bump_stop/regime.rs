@@ -67,7 +67,6 @@ fn product(one: &[f64], other: &[f64]) -> DMatrix<f64> {
     })
 }
 
-/// A row times a number.
 fn scaled(weight: f64, row: &[f64]) -> Row {
     row.iter().map(|entry| weight * entry).collect()
 }
@@ -207,12 +206,10 @@ fn guards(
 // The voltages are continuous. The current of a constant power is not linear in the vector. It is a straight
 // line in time, tangent to `P/V_s` and set again so often that the error is below rounding.
 
-/// Regime of the circuit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Circuit {
     /// Sign of the voltage of the harvester while the bridge conducts; 0 while it blocks, or if there is none.
     pub(super) sign: i8,
-    /// Whether the draw is connected.
     pub(super) connected: bool,
 }
 

@@ -22,7 +22,6 @@ use harvester_scene::base_motion::LocalBase;
 use harvester_scene::scene_file::modes::BumpStopModes;
 use harvester_scene::scene_file::{BumpStop, BumpStopStart, Contact, Coupling, Draw, Load};
 
-/// Places of the quantities in the vector.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     beam: usize,
@@ -83,7 +82,6 @@ impl Layout {
         beam.chain(rod).flatten().chain([self.voltage()]).map(|place| vector[place]).collect()
     }
 
-    /// Length of the vector.
     pub(super) fn size(&self) -> usize {
         let [draw, _] = self.draw();
         draw + if self.has_power { 2 } else { 0 }
@@ -93,7 +91,6 @@ impl Layout {
 /// A linear quantity: its value is this row times the vector.
 pub(super) type Row = Vec<f64>;
 
-/// Value of a linear quantity.
 pub(super) fn value(row: &[f64], vector: &[f64]) -> f64 {
     // Four sums side by side, for speed.
     let (rows, vectors) = (row.chunks_exact(4), vector.chunks_exact(4));
@@ -203,7 +200,6 @@ impl System {
         system
     }
 
-    /// The generators of the base acceleration.
     fn add_base(&mut self, base: &LocalBase) {
         let polynomial = self.layout.polynomial();
         self.base[polynomial.start] = 1.0;
@@ -236,7 +232,6 @@ impl System {
         }
     }
 
-    /// The modes of the beam.
     fn add_beam(&mut self, damping_ratio: f64) {
         for (index, mode) in self.modes.beam.clone().into_iter().enumerate() {
             let [at, rate] = self.layout.beam(index);
@@ -250,7 +245,6 @@ impl System {
         }
     }
 
-    /// The modes of the rod.
     fn add_rod(&mut self, damping_ratio: f64) {
         for (index, mode) in self.modes.rod.clone().into_iter().enumerate() {
             let [at, rate] = self.layout.rod(index);

@@ -108,14 +108,3 @@ fn the_first_contacts_are_those_of_an_independent_computation() {
     close(row(&outcome, 6e-3)[1], -1.644_225_653e-5, 1e-9);
     assert!(number(outcome.energy_residual) < 1e-12);
 }
-
-#[test]
-fn the_first_contact_with_ten_modes_each() {
-    for (position_m, milliseconds) in [(50e-3, 3.306545404), (25e-3, 3.722591251)] {
-        let (mut model, scene) = scene([10, 10], [0.0, 3.75e-3]);
-        model.stop = Some(StopParameters { position_m, ..stop(10) });
-        let (outcome, _) = run(&model, &scene, None);
-        let first = number(particular(&outcome).first_contact_s);
-        assert!((first - 1e-3 * milliseconds).abs() <= 0.6e-12, "{first:e}");
-    }
-}

@@ -20,7 +20,7 @@
 
 use crate::triboelectric::{CircuitKind, Harvester, LoadCircuit, Motion, VACUUM_PERMITTIVITY};
 use harvester_scene::scene_file::{
-    ContactSeparationParameters, ContactSeparationStart, ForceLaw, Load, Restitution,
+    ContactSeparationParameters, ForceLaw, Load, Restitution, TriboelectricStart,
 };
 
 /// Constants of the equations.
@@ -57,7 +57,7 @@ impl Physics {
     pub(crate) fn new(
         parameters: &ContactSeparationParameters,
         load: Load,
-        start: &ContactSeparationStart,
+        start: &TriboelectricStart,
     ) -> (Self, Motion) {
         let p = parameters;
         let angular_frequency = (p.stiffness_n_per_m / p.mass_kg).sqrt();
@@ -81,7 +81,7 @@ impl Physics {
             restitution: p.restitution,
             stick_speed: 1e-4 * angular_frequency * p.initial_gap_m,
         };
-        let gap = start.gap_m.unwrap_or(p.initial_gap_m);
+        let gap = start.position_m.unwrap_or(p.initial_gap_m);
         // V_oc − q / C, equations (12), (24) and (25).
         let voltage = start.charge_c.map_or(0.0, |charge| {
             ((physics.tribo_charge - charge) * gap - charge * dielectric) / permittivity_area

@@ -2,17 +2,14 @@
 
 use crate::ReferenceOptions;
 use crate::test_support::{close, contact_separation, number};
-use crate::triboelectric::VACUUM_PERMITTIVITY;
 use crate::triboelectric::tests::{run, with_resistor};
 use harvester_scene::outcome::{ContactSeparationOutcome, Outcome};
 use harvester_scene::scene_file::{
-    ContactSeparation, ContactSeparationParameters, ContactSeparationStart, Excitation, ForceLaw, GRAVITY,
-    Load, Model, Restitution, RunSpan, Scene, StickCharge, Tone,
+    ContactSeparation, ContactSeparationParameters, Excitation, ForceLaw, GRAVITY, Load, Model, Restitution,
+    RunSpan, Scene, StickCharge, Tone, TriboelectricStart,
 };
 
 mod limits;
-mod published;
-mod storage;
 
 /// Table 2 of the paper with another charge and force law.
 pub(super) fn table_2(charge_density: f64, force_law: ForceLaw) -> ContactSeparationParameters {
@@ -27,7 +24,7 @@ fn sine(amplitude: f64, frequency_hz: f64) -> Excitation {
 /// A scene with the given parts.
 fn scene(
     parameters: ContactSeparationParameters,
-    initial: ContactSeparationStart,
+    initial: TriboelectricStart,
     resistance_ohm: f64,
     excitation: Excitation,
     span: [f64; 2],
@@ -43,13 +40,7 @@ fn scene(
 /// The shipped scene: 50 µC/m², 0.2 g, 20 Hz, 15 s settled 10 s.
 fn shipped(resistance_ohm: f64) -> Scene {
     let parameters = table_2(50e-6, ForceLaw::TransferredCharge);
-    scene(
-        parameters,
-        ContactSeparationStart::default(),
-        resistance_ohm,
-        sine(0.2 * GRAVITY, 20.0),
-        [10.0, 15.0],
-    )
+    scene(parameters, TriboelectricStart::default(), resistance_ohm, sine(0.2 * GRAVITY, 20.0), [10.0, 15.0])
 }
 
 fn particular(outcome: &Outcome) -> &ContactSeparationOutcome {

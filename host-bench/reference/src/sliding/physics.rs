@@ -25,7 +25,7 @@ use std::f64::consts::PI;
 
 use crate::triboelectric::{Branch, CircuitKind, Harvester, LoadCircuit, Motion, VACUUM_PERMITTIVITY};
 use harvester_scene::scene_file::modes::Cantilever;
-use harvester_scene::scene_file::{ForceLaw, GRAVITY, Load, SlidingParameters, SlidingStart};
+use harvester_scene::scene_file::{ForceLaw, GRAVITY, Load, SlidingParameters, TriboelectricStart};
 
 /// Coefficients of friction on the active and on the inert patch.
 #[derive(Debug, Clone, Copy)]
@@ -69,7 +69,11 @@ pub(crate) struct Physics {
 
 impl Physics {
     /// The equations for the given parameters, and the motion at time zero.
-    pub(crate) fn new(parameters: &SlidingParameters, load: Load, start: &SlidingStart) -> (Self, Motion) {
+    pub(crate) fn new(
+        parameters: &SlidingParameters,
+        load: Load,
+        start: &TriboelectricStart,
+    ) -> (Self, Motion) {
         let p = parameters;
         let area = std::f64::consts::PI * p.patch_radius_m * p.patch_radius_m;
         let permittivity_area = VACUUM_PERMITTIVITY * area;
@@ -90,7 +94,7 @@ impl Physics {
             force_law: p.force_law,
             lateral_force: p.lateral_force,
         };
-        let position = start.displacement_m.unwrap_or(0.0);
+        let position = start.position_m.unwrap_or(0.0);
         let mut motion = Motion {
             position,
             velocity: start.velocity_m_per_s.unwrap_or(0.0),

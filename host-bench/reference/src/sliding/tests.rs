@@ -1,20 +1,19 @@
 //! Published values, closed-form limits, and what tightening the tolerance changes.
 
 use crate::ReferenceOptions;
-use crate::test_support::{close, number, sliding};
+use crate::test_support::{close, sliding};
 use crate::triboelectric::VACUUM_PERMITTIVITY;
 use crate::triboelectric::tests::{run, with_resistor};
 use harvester_scene::outcome::{Outcome, SlidingOutcome};
 use harvester_scene::scene_file::modes::Cantilever;
 use harvester_scene::scene_file::{
-    Excitation, ForceLaw, GRAVITY, Load, Scene, Sliding, SlidingParameters, SlidingStart, StickCharge, Tone,
+    Excitation, ForceLaw, GRAVITY, Load, Scene, Sliding, SlidingParameters, StickCharge, Tone,
+    TriboelectricStart,
 };
 
 mod ledgers;
 mod limits;
-mod published;
 mod sticking;
-mod storage;
 
 /// Natural frequency of Table 1 in Hz.
 const NATURAL: f64 = 18.373_129_8;
@@ -49,13 +48,13 @@ fn shaken(
     [settle, end]: [f64; 2],
 ) -> Scene {
     let span = [settle / frequency, end / frequency];
-    scene(parameters, SlidingStart::default(), resistance_ohm, sine(gravities, frequency), span)
+    scene(parameters, TriboelectricStart::default(), resistance_ohm, sine(gravities, frequency), span)
 }
 
 /// A scene with the given parts.
 fn scene(
     parameters: SlidingParameters,
-    initial: SlidingStart,
+    initial: TriboelectricStart,
     resistance_ohm: f64,
     excitation: Excitation,
     span: [f64; 2],

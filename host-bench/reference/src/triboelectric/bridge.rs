@@ -29,7 +29,6 @@ pub(crate) struct Bridge {
     pub(crate) gain: f64,
     /// Sign of the terminal voltage while the bridge conducts; 0 while it blocks.
     pub(crate) sign: f64,
-    /// Whether the draw is connected.
     pub(crate) connected: bool,
 }
 
@@ -44,7 +43,6 @@ pub(crate) struct ElectricalPort {
     pub(crate) capacitance: f64,
 }
 
-/// The end of a regime.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Switch {
     /// The bridge begins to conduct at a voltage of this sign.

@@ -40,7 +40,6 @@ pub(crate) struct Step<'a> {
     pub(crate) integrals: &'a Dense<'a, Integrals>,
 }
 
-/// What ends a flow before its time.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Event<E> {
     /// An event of the scene.
@@ -52,7 +51,6 @@ pub(crate) enum Event<E> {
 /// The integrals over a flow and the event that ended it, if the time was not up.
 pub(crate) type FlowEnd<H> = (Integrals, Option<Event<SceneEvent<H>>>);
 
-/// The reason of a failure.
 #[derive(Debug)]
 pub(crate) struct Reason(pub(crate) String);
 
@@ -139,13 +137,10 @@ impl<H: Harvester> Flow<'_, H> {
 
 /// The equations of a harvester behind a reference, so that the integrator is compiled once for all harvesters.
 trait Equations {
-    /// [`Harvester::rates`].
     fn rates(&self, motion: &Motion, base: f64) -> [f64; Motion::STATES];
 
-    /// [`Harvester::rates_along`].
     fn rates_along(&self, motion: &Motion, change: &Motion) -> [f64; Motion::STATES];
 
-    /// [`Harvester::integrands`].
     fn integrands(&self, motion: &Motion, base: f64) -> Integrals;
 }
 

@@ -56,7 +56,6 @@ impl LoadCircuit {
         Self { kind, resistance, conductance: 1.0 / resistance, storage, stick_charge }
     }
 
-    /// The bridge at the start.
     pub(crate) fn bridge(&self) -> Bridge {
         self.storage.map_or(Bridge::default(), |storage| storage.start())
     }
@@ -98,7 +97,6 @@ pub(crate) type Sample = (f64, Motion);
 
 /// The search for the events of a scene along one stretch of flow.
 pub(crate) trait Guards {
-    /// Event of the scene.
     type Event: Copy;
 
     /// Local times at which pieces of a step end; in each piece the velocity changes sign at most once.
@@ -115,7 +113,6 @@ pub(crate) trait Guards {
     ) -> Result<Option<(f64, Self::Event)>, DiffsolError>;
 }
 
-/// What follows an event of the scene.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Jump {
     /// Mode after the event.
@@ -146,22 +143,18 @@ pub(crate) struct Counts {
     pub(crate) periods: Option<f64>,
 }
 
-/// Event of a scene.
 pub(crate) type SceneEvent<H> = <<H as Harvester>::Guards as Guards>::Event;
 
-/// A triboelectric harvester.
 pub(crate) trait Harvester: Sized {
     /// The search for the events of the scene.
     type Guards: Guards;
 
     /// Name of the position.
     const POSITION: &'static str;
-    /// Columns of a recording.
     const COLUMNS: &'static [&'static str; 8];
     /// Part of the time scale by which a flow must get on in many steps.
     const LEAST_PROGRESS: f64;
 
-    /// The circuit at the terminals.
     fn load(&self) -> &LoadCircuit;
 
     /// Sizes for the tolerances of a run that starts so.
@@ -249,7 +242,6 @@ pub(crate) trait Harvester: Sized {
         if sign == 0.0 { self.voltage_rate(motion, base) } else { sign * self.gain_rate(motion) }
     }
 
-    /// Rates of the states.
     fn rates(&self, motion: &Motion, base: f64) -> [f64; Motion::STATES] {
         let is_state = self.load().kind == CircuitKind::Dynamic;
         let voltage = if is_state { self.voltage_slope(motion, base) } else { 0.0 };
@@ -273,7 +265,6 @@ pub(crate) trait Harvester: Sized {
         [change.velocity, self.acceleration_along(motion, change), voltage, gain]
     }
 
-    /// The integrands of [`Integrals`].
     fn integrands(&self, motion: &Motion, base: f64) -> Integrals {
         let voltage = self.voltage(motion);
         let [base_work, damping, surface, field] = self.powers(motion, base);
@@ -343,7 +334,6 @@ pub(crate) struct Branch {
     pub(crate) side: f64,
 }
 
-/// Mode of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Mode {
     /// The mass flies, or the slider slips.
@@ -356,7 +346,6 @@ impl Motion {
     /// Number of states: position, velocity, voltage and, with a storage, its gain.
     pub(crate) const STATES: usize = 4;
 
-    /// The states.
     pub(crate) fn states(&self) -> [f64; Self::STATES] {
         [self.position, self.velocity, self.voltage, self.bridge.gain]
     }

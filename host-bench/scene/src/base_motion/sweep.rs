@@ -78,7 +78,6 @@ impl LocalSweep {
         sines
     }
 
-    /// Seconds until the frequency turns.
     pub(super) fn left(&self) -> f64 {
         self.left
     }

@@ -10,7 +10,6 @@ struct Part {
     rows: Vec<Row>,
 }
 
-/// The tables in their order.
 fn parts(scene: Option<&str>) -> Vec<Part> {
     let (tables, rows): (Vec<Row>, Vec<Row>) = rows(scene).into_iter().partition(|row| row.is_table);
     let mut parts: Vec<Part> = Vec::new();
@@ -30,7 +29,6 @@ fn parts(scene: Option<&str>) -> Vec<Part> {
     parts
 }
 
-/// The heading of a table.
 fn title(first: &Row, table: Option<&Row>) -> String {
     let Some(table) = table else { return "The whole file".to_owned() };
     let name = if table.bounds == "a list of tables" {
@@ -46,7 +44,6 @@ fn title(first: &Row, table: Option<&Row>) -> String {
 }
 
 /// The page `docs/keys.md`, of one scene or of all.
-#[must_use]
 pub fn markdown(scene: Option<&str>) -> String {
     let mut page = String::from(
         "# Keys of scene files\n\nEvery key with its unit, its bounds (ends included), its default and its meaning, as the \
@@ -84,7 +81,6 @@ pub fn markdown(scene: Option<&str>) -> String {
 }
 
 /// The keys for a terminal, of one scene or of all.
-#[must_use]
 pub fn text(scene: Option<&str>) -> String {
     let mut text = String::new();
     for part in parts(scene) {

@@ -6,7 +6,6 @@ use crate::scene_file::KEYS;
 use crate::scene_file::key::{Default, Key, Kind, Table, Value};
 
 /// The schema (draft 7). It cannot state a bound by other keys, nor infinity: the reader refuses more.
-#[must_use]
 pub fn schema() -> Json {
     let shared: Map<String, Json> = KEYS.keys.iter().map(|key| (key.name.to_owned(), value(key))).collect();
     let scenes: Vec<Json> = KEYS.kinds.iter().map(|kind| object(&KEYS, Some(kind), &reference)).collect();
@@ -35,7 +34,6 @@ fn table(of: &'static Table) -> Json {
     json!({ "oneOf": kinds })
 }
 
-/// A table of one kind.
 fn object(of: &'static Table, kind: Option<&'static Kind>, value: &dyn Fn(&Key) -> Json) -> Json {
     let mut properties = Map::new();
     let mut required = Vec::new();
@@ -72,7 +70,6 @@ fn object(of: &'static Table, kind: Option<&'static Kind>, value: &dyn Fn(&Key) 
     object
 }
 
-/// What a key may be.
 fn value(key: &Key) -> Json {
     let number = |kind: &str, range: model_core::bounds::Bounds<f64>| {
         let mut number = json!({ "type": kind });

@@ -3,8 +3,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value as Json, json};
 
 use super::*;
-use crate::scene_file::key::{Default, Key, Value};
-use crate::scene_file::{self, Override, template, templates};
+use crate::scene_file::{self, Override, rows_of, template, templates};
 
 /// The workspace.
 fn workspace() -> PathBuf {
@@ -147,62 +146,96 @@ const KINDS: [(&str, &[&str]); 28] = [
     ("sliding", &["fit={data=['data.csv'], free=['parameters.damping_ratio'], loss='linear', starts=3}"]),
 ];
 
-/// What a key may not be: below its least number, or a date, which no key is.
-fn wrong(key: &Key) -> Vec<String> {
-    let date = "1979-05-27".to_owned();
-    match key.value {
-        Value::Number(range) | Value::Whole(range) => {
-            let beyond = |bound: f64, sign: f64| bound + sign * (1e-9 * bound.abs()).max(1e-12);
-            let mut wrong = vec![date, format!("{:e}", beyond(range.lowest, -1.0))];
-            if range.highest.is_finite() {
-                wrong.push(format!("{:e}", beyond(range.highest, 1.0)));
-            }
-            wrong
-        }
-        _ => vec![date],
+/// What a key may not be: out of its bounds, or no number; and what an error then says of it.
+fn wrong(key: &Key) -> (Vec<String>, String) {
+    // A date is the value of no key.
+    let mut wrong = vec!["1979-05-27".to_owned()];
+    let range = Bound::of(key).range;
+    let beyond = |bound: f64, sign: f64| format!("{:e}", bound + sign * (1e-9 * bound.abs()).max(1e-12));
+    let bound = match key.value {
+        Value::Number(_) => Bound::of(key).to_string(),
+        Value::Whole(_) => format!("a whole number from {} to {}", range.lowest, range.highest),
+        _ => return (wrong, String::new()),
+    };
+    let none = "nan -inf 1e999 true {} [1] 3_apples '1' 1,5".split(' ');
+    wrong.extend(none.map(str::to_owned).chain([beyond(range.lowest, -1.0)]));
+    if range.highest.is_finite() {
+        wrong.extend(["inf".to_owned(), beyond(range.highest, 1.0)]);
     }
+    (wrong, bound)
 }
 
-/// Refuses each key of a table that the document has, wrong in its turn; counts the keys.
-fn refuse_each(path: &Path, sets: &[Override], table: &Json, prefix: &str, seen: &mut Vec<String>) {
+/// Refuses each key of a table that the document has, wrong in its turn.
+fn refuse_each(
+    (path, sets): (&Path, &[Override]),
+    (table, of): (&Json, &'static Table),
+    prefix: &str,
+    seen: &mut Vec<String>,
+) {
+    let kind = table[of.selector].as_str().and_then(|word| of.kind(word));
     for (name, value) in table.as_object().expect("a table") {
         let key = format!("{prefix}{name}");
+        let row = of.key(name, kind);
+        let inner = row.and_then(Key::table);
         match value {
-            Json::Object(_) => refuse_each(path, sets, value, &format!("{key}."), seen),
+            Json::Object(_) => {
+                refuse_each((path, sets), (value, inner.expect("a table of keys")), &format!("{key}."), seen)
+            }
             Json::Array(items) if items.iter().all(Json::is_object) => {
-                refuse_each(path, sets, &items[0], &format!("{key}.0."), seen);
+                refuse_each((path, sets), (&items[0], inner.expect("keys")), &format!("{key}.0."), seen);
             }
             _ => {}
         }
-        let row = keyed(&key);
-        for wrong in row.map_or_else(|| vec!["1979-05-27".to_owned()], wrong) {
+        let (all, bound) = row.map_or_else(|| (vec!["1979-05-27".to_owned()], String::new()), wrong);
+        for wrong in all {
             let sets: Vec<Override> = sets.iter().cloned().chain([Override::new(&key, &wrong)]).collect();
-            let read = scene_file::read_with_node(path, &sets).map(|_| ());
-            let absent = "node: is missing";
-            let Err(error) = read else { panic!("{}: {key} = {wrong} is accepted", path.display()) };
-            let (told, last) = (error.to_string(), name.as_str());
-            assert!(told.contains(last) && !told.contains(absent), "{key} = {wrong}: {told}");
+            let Err(error) = scene_file::read(path, &sets) else {
+                panic!("{}: {key} = {wrong} is accepted", path.display())
+            };
+            let (told, shown) = (error.to_string(), key.replace(".0.", "[0]."));
+            let begins = format!("{}: --set {shown} = ", path.display());
+            assert!(told.starts_with(&begins) && told.contains(&bound), "{key} = {wrong}, {bound}: {told}");
         }
         seen.push(name.clone());
     }
 }
 
-/// A key by its path, where one scene only or all have it.
-fn keyed(path: &str) -> Option<&'static Key> {
-    let mut parts = path.split('.').filter(|part| part.parse::<usize>().is_err());
-    let first = parts.next()?;
-    let mut key = KEYS.keys.iter().find(|key| key.name == first)?;
-    for part in parts {
-        let (Value::Table(table) | Value::Tables(table)) = key.value else { return None };
-        let mut found =
-            table.kinds.iter().flat_map(|kind| kind.keys).chain(table.keys).filter(|key| key.name == part);
-        key = found.next()?;
-        // Of two kinds: the bounds differ.
-        if found.next().is_some() {
-            return None;
+/// Each key that must be there is missing in its turn from the shipped scenes.
+#[test]
+fn a_missing_key_is_named_with_its_bound() {
+    let mut count = 0;
+    for name in ["contact-separation", "sliding", "bump-stop", "rectified"] {
+        let text = std::fs::read_to_string(scene_file::shipped(name)).expect("a shipped scene");
+        let lines: Vec<&str> = text.lines().collect();
+        let mut table = String::new();
+        for (at, line) in lines.iter().enumerate() {
+            if let Some((name, _)) = line.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
+                table = format!("{name}.");
+            }
+            let Some((key, _)) = line.split_once(" = ").filter(|_| !line.starts_with(['#', '['])) else {
+                continue;
+            };
+            let full = format!("{table}{key}");
+            // A word that chooses the kind has no row.
+            let rows = rows_of(&full);
+            if rows.iter().any(|row| row.default != Default::Required) {
+                continue;
+            }
+            let without = [&lines[..at], &lines[at + 1..]].concat().join("\n");
+            let path = file("missing", name, &without);
+            let told = scene_file::read(&path, &[]).expect_err(&full).to_string();
+            let bounds = match rows[..] {
+                [Key { value: Value::Number(_), instead_of: None, .. }] => Bound::of(rows[0]).to_string(),
+                _ => String::new(),
+            };
+            assert!(
+                told.contains(key) && told.contains("is missing") && told.contains(&bounds),
+                "{full}: {told}"
+            );
+            count += 1;
         }
     }
-    Some(key)
+    assert!(count > 60, "{count} keys");
 }
 
 #[test]
@@ -215,7 +248,7 @@ fn each_key_of_the_tables_is_read_and_checked() {
             panic!("{name} {sets:?}: {error}");
         }
         let document = scene_file::as_json(&path, &sets).expect("a document");
-        refuse_each(&path, &sets, &document, "", &mut seen);
+        refuse_each((&path, &sets), (&document, &KEYS), "", &mut seen);
     }
     // Those of a recording are in the tests of traces.
     let of_file = ["path", "column", "time_column", "rate_hz", "scale_m_per_s2", "repeat"];
@@ -356,8 +389,5 @@ fn the_schema_accepts_the_shipped_scenes_and_refuses_faults() {
     // What the reader's defaults are, the schema says.
     let lines = schema.pointer("/definitions/excitation/oneOf/3/properties/lines/default");
     assert_eq!(lines, Some(&json!(1024)));
-    let Default::Number(number) = keyed("excitation.lines").expect("a key").default else {
-        panic!("no number")
-    };
-    assert_eq!(number, 1024.0);
+    assert_eq!(rows_of("excitation.lines")[0].default, Default::Number(1024.0));
 }

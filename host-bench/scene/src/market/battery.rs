@@ -16,7 +16,6 @@ pub struct Reservoir {
 
 impl Battery {
     /// With so many times the charge, and a resistance that has the same drop at so many times the current.
-    #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {
         self.charge_c.0 *= factor;
         self.resistance_ohm.0 /= factor;
@@ -24,7 +23,6 @@ impl Battery {
     }
 
     /// That of the core, with a charge as stated.
-    #[must_use]
     pub fn of_core(&self) -> model_core::energy::Battery {
         model_core::energy::Battery {
             points: self.open_circuit,
@@ -60,14 +58,12 @@ impl Battery {
 
 impl Reservoir {
     /// Stored energy in J at an open-circuit voltage in V.
-    #[must_use]
     pub fn energy_j(&self, voltage: f64) -> f64 {
         let of_battery = self.battery.map_or(0.0, |battery| battery.integral(voltage)[0]);
         0.5 * self.capacitance_f * voltage * voltage + of_battery
     }
 
     /// Open-circuit voltage in V at a stored energy in J.
-    #[must_use]
     pub fn voltage_v(&self, energy: f64) -> f64 {
         let Some(battery) = &self.battery else { return (2.0 * energy / self.capacitance_f).max(0.0).sqrt() };
         let [mut low, mut high] = battery.ends();
@@ -79,19 +75,16 @@ impl Reservoir {
     }
 
     /// Derivative of the energy by the voltage in J/V, at a voltage in V.
-    #[must_use]
     pub fn slope(&self, voltage: f64) -> f64 {
         voltage * self.differential_f(voltage)
     }
 
     /// Derivative of the charge by the voltage in F, at a voltage in V.
-    #[must_use]
     pub fn differential_f(&self, voltage: f64) -> f64 {
         self.capacitance_f + self.battery.map_or(0.0, |battery| battery.integral(voltage)[1])
     }
 
     /// Part of the stored energy in J that is lost in a second, in 1/s.
-    #[must_use]
     pub fn leaking(&self, energy: f64) -> f64 {
         let Some(battery) = &self.battery else { return 2.0 / (self.leakage_ohm * self.capacitance_f) };
         let beside = self.voltage_v(energy).powi(2) / (self.leakage_ohm * energy);
@@ -99,7 +92,6 @@ impl Reservoir {
     }
 
     /// Part of the harvested energy that a battery stores.
-    #[must_use]
     pub fn charging_efficiency(&self) -> f64 {
         self.battery.map_or(1.0, |battery| battery.charging_efficiency.0)
     }

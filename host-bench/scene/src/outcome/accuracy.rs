@@ -37,7 +37,6 @@ pub struct Accuracy {
 
 impl Accuracy {
     /// The statement with the sum of its sources; the bias by the step and the scatter of a chaotic motion are independent.
-    #[must_use]
     pub fn summed(self) -> Self {
         let Self { chaos, step, rounding, .. } = self;
         let total = step.map(|step| step.hypot(chaos.unwrap_or(0.0)) + rounding.unwrap_or(0.0));

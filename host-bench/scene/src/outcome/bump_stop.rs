@@ -42,7 +42,6 @@ const EXPONENT: f64 = 5.0;
 impl ClampOutcome {
     /// Of the largest magnitude and the RMS of the curvature in 1/m, its rainflow count over so many `seconds`, and of the function of each
     /// outer fibre, the substrate's first, from a curvature to the strain and the stress in Pa.
-    #[must_use]
     pub fn new(
         [peak, rms]: [f64; 2],
         (curvature, seconds): (&Rainflow, f64),

@@ -24,7 +24,6 @@ pub struct Margins {
 
 impl Margins {
     /// With the smallest of the margins.
-    #[must_use]
     pub fn new(limits: Vec<Margin>) -> Self {
         let least = |counts: fn(&str) -> bool| {
             let margins = limits.iter().filter(|found| counts(found.name)).filter_map(|found| found.margin);
@@ -52,7 +51,6 @@ pub struct Margin {
 
 impl Margin {
     /// What to know where the margin is below 1; begins with [`LIMIT`] or [`MODEL`].
-    #[must_use]
     pub fn warning(&self) -> Option<String> {
         let Self { name, value, limit, at_s, .. } = *self;
         let margin = self.margin.filter(|margin| *margin < 1.0)?;

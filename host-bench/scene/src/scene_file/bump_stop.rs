@@ -40,7 +40,6 @@ pub struct BumpStop {
 
 impl BumpStop {
     /// Numbers of modes of beam and rod.
-    #[must_use]
     pub fn modes(&self) -> [usize; 2] {
         [self.parameters.beam_modes, self.stop.map_or(0, |stop| stop.rod_modes)]
     }
@@ -106,7 +105,6 @@ pub enum Transducer {
 
 impl Transducer {
     /// How many layers there are, and how many of them are in series between the terminals.
-    #[must_use]
     pub fn layers(self) -> [f64; 2] {
         match self {
             Self::Monomorph => [1.0, 1.0],
@@ -171,7 +169,6 @@ pub struct BumpStopStart {
 
 impl BumpStopStart {
     /// At rest, without voltage.
-    #[must_use]
     pub fn at_rest(beam_modes: usize, rod_modes: usize) -> Self {
         Self {
             modal_displacement: vec![0.0; beam_modes],
@@ -183,7 +180,6 @@ impl BumpStopStart {
     }
 }
 
-/// The scene.
 pub(super) static KIND: Kind = Kind {
     word: "bump-stop",
     meaning: "A piezoelectric cantilever that hits a rod",
@@ -247,42 +243,25 @@ static STOP: Table = Table::of(&[
         .or_said("none"),
 ]);
 
+/// A list with a number for each mode; unit and the core's name of the bounds.
+const fn of_modes(name: &'static str, [unit, bounds]: [&'static str; 2], meaning: &'static str) -> Key {
+    other(name, Value::Numbers(core(START, bounds), "mode"), meaning).unit(unit).or_said("0")
+}
+
+const DISPLACEMENT: [&str; 2] = ["√kg·m", "modal displacement"];
+const VELOCITY: [&str; 2] = ["√kg·m/s", "modal velocity"];
+
 static INITIAL: Table = Table::of(&[
-    other(
-        "modal_displacement",
-        Value::Numbers(core(START, "modal displacement"), "mode"),
-        "Modal displacements of the cantilever, one for each mode",
-    )
-    .unit("√kg·m")
-    .or_said("0"),
-    other(
-        "modal_velocity",
-        Value::Numbers(core(START, "modal velocity"), "mode"),
-        "Modal velocities of the cantilever, one for each mode",
-    )
-    .unit("√kg·m/s")
-    .or_said("0"),
-    other(
-        "rod_modal_displacement",
-        Value::Numbers(core(START, "modal displacement"), "mode"),
-        "Modal displacements of the rod, one for each mode",
-    )
-    .unit("√kg·m")
-    .or_said("0"),
-    other(
-        "rod_modal_velocity",
-        Value::Numbers(core(START, "modal velocity"), "mode"),
-        "Modal velocities of the rod, one for each mode",
-    )
-    .unit("√kg·m/s")
-    .or_said("0"),
+    of_modes("modal_displacement", DISPLACEMENT, "Modal displacements of the cantilever, one for each mode"),
+    of_modes("modal_velocity", VELOCITY, "Modal velocities of the cantilever, one for each mode"),
+    of_modes("rod_modal_displacement", DISPLACEMENT, "Modal displacements of the rod, one for each mode"),
+    of_modes("rod_modal_velocity", VELOCITY, "Modal velocities of the rod, one for each mode"),
     number("voltage_v", "V", core(START, "voltage"), "Voltage").or_number(0.0),
 ]);
 
 /// Natural frequencies in Hz of the modes that can be stepped.
 const FREQUENCY: model_core::bounds::Bounds<f64> = between(1e-2, 1e8);
 
-/// Reads the tables of the harvester.
 pub(super) fn model(root: &mut Section<'_>) -> Result<BumpStop, SceneError> {
     let mut parameters = parameters(root.table("parameters")?)?;
     if let Some(section) = root.optional_table("tip_mass")? {

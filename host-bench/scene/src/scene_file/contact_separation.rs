@@ -5,11 +5,12 @@ use model_core::scene::contact_separation::Start;
 
 use super::Summary;
 use super::document::SceneError;
-use super::key::{CoreTable, Key, Kind, Table, Value, between, core, joined, number, of_rows, other};
+use super::key::{CoreTable, Kind, Table, Value, between, core, joined, number, of_rows, other};
 use super::limits;
 use super::section::Section;
 use super::triboelectric::{
-    FORCE_LAW, ForceLaw, STICK_CHARGE, StickCharge, force_law, natural_frequency, stick_charge,
+    FORCE_LAW, ForceLaw, STICK_CHARGE, StickCharge, TriboelectricStart, force_law, natural_frequency, start,
+    stick_charge, tables,
 };
 
 const START: CoreTable = Start::<f64>::BOUNDS;
@@ -20,7 +21,7 @@ pub struct ContactSeparation {
     /// Table `[parameters]`.
     pub parameters: ContactSeparationParameters,
     /// Table `[initial]`.
-    pub initial: ContactSeparationStart,
+    pub initial: TriboelectricStart,
 }
 
 model_core::contact_separation_numbers! { of_rows! {
@@ -40,7 +41,6 @@ model_core::contact_separation_numbers! { of_rows! {
 
 impl ContactSeparationParameters {
     /// Natural frequency in Hz of the mass on its spring, undamped and without the electrostatic force.
-    #[must_use]
     pub fn natural_frequency_hz(&self) -> f64 {
         (self.stiffness_n_per_m / self.mass_kg).sqrt() / std::f64::consts::TAU
     }
@@ -49,7 +49,7 @@ impl ContactSeparationParameters {
 impl ContactSeparation {
     pub(super) fn summary(&self) -> Summary {
         let from = &self.parameters;
-        let ContactSeparationStart { gap_m, velocity_m_per_s, charge_c } = self.initial;
+        let TriboelectricStart { position_m, velocity_m_per_s, charge_c } = self.initial;
         let law = match from.force_law {
             ForceLaw::GapField => None,
             ForceLaw::TransferredCharge => Some("force_law = \"transferred-charge\""),
@@ -60,7 +60,7 @@ impl ContactSeparation {
             rest_m: from.initial_gap_m,
             length_m: from.initial_gap_m,
             range_m: [0.0, f64::INFINITY],
-            start: Some([gap_m, velocity_m_per_s, charge_c]),
+            start: Some([position_m, velocity_m_per_s, charge_c]),
             start_key: "initial.gap_m",
             frequency_keys: "parameters.mass_kg and parameters.stiffness_n_per_m",
             damping_ratio: from.damping_ratio,
@@ -89,28 +89,10 @@ pub enum Restitution {
     },
 }
 
-/// `[initial]` of a contact-separation scene; what is `None` takes its default.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ContactSeparationStart {
-    /// Gap in m; by default the unstretched gap.
-    pub gap_m: Option<f64>,
-    /// Velocity in m/s, opening positive; by default 0.
-    pub velocity_m_per_s: Option<f64>,
-    /// Transferred charge in C; by default that of no voltage at the gap.
-    pub charge_c: Option<f64>,
-}
-
-/// The scene.
 pub(super) static KIND: Kind = Kind {
     word: "contact-separation",
     meaning: "A sprung mass that hits a charged dielectric",
-    keys: &[
-        other("parameters", Value::Table(&PARAMETERS), "The harvester"),
-        other("initial", Value::Table(&INITIAL), "The state at the start")
-            .or_said("at rest, without voltage"),
-        other("limits", Value::Table(&limits::CONTACT_SEPARATION), "The limits of the model")
-            .or_said("the defaults below"),
-    ],
+    keys: &tables(&PARAMETERS, &INITIAL, &limits::CONTACT_SEPARATION),
 };
 
 static PARAMETERS: Table = Table::of(&joined::<12>(&[
@@ -141,18 +123,23 @@ static VARIABLE_KIND: Kind = Kind {
     keys: &model_core::variable_restitution_numbers!(of_rows! { keys }),
 };
 
-static INITIAL: Table = Table::of(INITIAL_KEYS);
-const INITIAL_KEYS: &[Key] = &[
+static INITIAL: Table = Table::of(&[
     number("gap_m", "m", core(START, "gap"), "Gap").or_said("`initial_gap_m`"),
     number("velocity_m_per_s", "m/s", core(START, "velocity"), "Velocity, opening positive").or_number(0.0),
     number("charge_c", "C", core(START, "charge"), "Transferred charge")
         .or_said("that of no voltage at the gap"),
-];
+]);
 
-/// Reads the tables of the harvester.
 pub(super) fn model(root: &mut Section<'_>) -> Result<ContactSeparation, SceneError> {
     let parameters = parameters(root.table("parameters")?)?;
-    let initial = root.optional_table("initial")?.map(start).transpose()?.unwrap_or_default();
+    let initial = match root.optional_table("initial")? {
+        None => TriboelectricStart::default(),
+        Some(mut section) => {
+            let initial = start(&mut section, "gap_m")?;
+            section.finish()?;
+            initial
+        }
+    };
     Ok(ContactSeparation { parameters, initial })
 }
 
@@ -179,14 +166,4 @@ fn restitution(mut section: Section<'_>) -> Result<Restitution, SceneError> {
     };
     section.finish()?;
     Ok(restitution)
-}
-
-fn start(mut section: Section<'_>) -> Result<ContactSeparationStart, SceneError> {
-    let start = ContactSeparationStart {
-        gap_m: section.optional_number("gap_m")?,
-        velocity_m_per_s: section.optional_number("velocity_m_per_s")?,
-        charge_c: section.optional_number("charge_c")?,
-    };
-    section.finish()?;
-    Ok(start)
 }

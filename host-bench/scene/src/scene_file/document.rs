@@ -44,12 +44,10 @@ impl SceneError {
     }
 
     /// The same without the value, which the user did not give.
-    #[must_use]
     pub fn without_value(self) -> Self {
         Self { value: None, ..self }
     }
 
-    /// Something wrong with a value.
     pub(super) fn of_value(file: &Path, key: &str, node: &Node, reason: impl Into<String>) -> Self {
         Self {
             file: file.to_owned(),
@@ -76,7 +74,6 @@ impl fmt::Display for SceneError {
     }
 }
 
-/// Where a value was written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Origin {
     /// A line of the file, from 1.
@@ -92,7 +89,6 @@ pub(super) struct Node {
     pub(super) origin: Origin,
 }
 
-/// What a value is.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Content {
     /// A number, integer or not; not-a-number if it is too large for one. And as it was written.
@@ -105,12 +101,10 @@ pub(super) enum Content {
 }
 
 impl Content {
-    /// The number, if it is one.
     pub(super) fn number(&self) -> Option<f64> {
         if let Self::Number(value, _) = self { Some(*value) } else { None }
     }
 
-    /// The text, if it is one.
     pub(super) fn text(&self) -> Option<&str> {
         if let Self::Text(text) = self { Some(text) } else { None }
     }
@@ -159,7 +153,6 @@ fn shortened(text: &str) -> String {
     text.chars().take(SHOWN).chain("...".chars()).collect()
 }
 
-/// A scene file as a tree.
 #[derive(Debug)]
 pub(super) struct Document {
     pub(super) file: PathBuf,

@@ -10,7 +10,6 @@ use super::trace::HIGHEST_ACCELERATION;
 use model_core::bounds::Bounds;
 use model_core::excitation::DENSITY_FREQUENCY;
 
-/// `[excitation]`.
 pub(super) static TABLE: Table =
     Table::of_kinds(&[&SINE, &SINES, &trace::FILE, &RANDOM, &HALF_SINE, &BURSTS, &SWEEP, &SILENCE]);
 

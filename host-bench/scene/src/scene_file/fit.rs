@@ -6,7 +6,6 @@ use super::document::{Content, Node, SceneError};
 use super::key::{Table, Value, between, other, whole};
 use super::section::Section;
 
-/// `[fit]`.
 pub(super) static TABLE: Table = Table::of(&[
     other("data", Value::Texts, "CSV files of measurements, relative to the scene file").or_said("--data"),
     other("free", Value::FreeKeys, "The keys that are fitted").or_said("--free"),
@@ -28,7 +27,6 @@ pub struct Fit {
     pub starts: Option<usize>,
 }
 
-/// Reads `[fit]`.
 pub(super) fn fit(mut section: Section<'_>) -> Result<Fit, SceneError> {
     let folder = section.file().parent().map(PathBuf::from).unwrap_or_default();
     let data = section.texts("data")?.unwrap_or_default();

@@ -109,13 +109,11 @@ impl Table {
     }
 
     /// The kind with this word.
-    #[must_use]
     pub fn kind(&self, word: &str) -> Option<&'static Kind> {
         self.kinds.iter().copied().find(|kind| kind.word == word)
     }
 
     /// The key with this name, of the given kind if it is not of every one.
-    #[must_use]
     pub fn key(&self, name: &str, kind: Option<&Kind>) -> Option<&'static Key> {
         let of_kind = kind.map_or(&[][..], |kind| kind.keys);
         of_kind.iter().chain(self.keys).find(|key| key.name == name)
@@ -269,7 +267,6 @@ pub(super) const fn joined<const N: usize>(lists: &[&[Key]]) -> [Key; N] {
     all
 }
 
-/// The words of a choice.
 pub(super) const fn words<T: Copy, const N: usize>(choices: &[(&'static str, T); N]) -> [&'static str; N] {
     let mut words = [""; N];
     let mut index = 0;
@@ -314,7 +311,6 @@ pub fn walk(table: &'static Table, seen: &mut dyn FnMut(&'static Key)) {
 /// The core's names of parameters and their bounds in SI units.
 pub(super) type CoreTable = &'static [(&'static str, Bounds<f64>)];
 
-/// From `lowest` to `highest`.
 pub(super) const fn between(lowest: f64, highest: f64) -> Bounds<f64> {
     Bounds { lowest, highest }
 }

@@ -56,7 +56,6 @@ fn compared(key: &'static str) -> &'static str {
     if key == "pressure_pa" { "gap_voltage_v" } else { key }
 }
 
-/// The limit of a compared quantity.
 pub(crate) fn of_name(name: &str) -> Option<Limit> {
     ALL.into_iter().find(|(key, ..)| compared(key.name) == name)
 }
@@ -71,7 +70,6 @@ pub(super) fn limits(mut section: Section<'_>) -> Result<Vec<(&'static str, f64)
 
 /// Breakdown voltage in V of air by Paschen's curve at a product of pressure and gap in Pa·m, with Townsend's constants
 /// 15 /(cm·Torr), 365 V/(cm·Torr), and 0.01 electrons per ion; infinite below that of the minimum, 305 V at 1.115 Pa·m.
-#[must_use]
 pub fn breakdown_voltage_v(pressure_gap_pa_m: f64) -> f64 {
     let logarithm = (11.25 * pressure_gap_pa_m / 101f64.ln()).ln();
     if logarithm < 1.0 { f64::INFINITY } else { 273.8 * pressure_gap_pa_m / logarithm }
@@ -79,7 +77,6 @@ pub fn breakdown_voltage_v(pressure_gap_pa_m: f64) -> f64 {
 
 /// Part of the capacitance of two round plates that the field beyond their edges adds, with the `distance_m` of the plates in
 /// vacuum and their area: Kirchhoff's formula with its next term for near plates, and 4 ε0 R as of two far ones.
-#[must_use]
 pub fn fringing(distance_m: f64, area_m2: f64) -> f64 {
     let distance = distance_m / (std::f64::consts::PI * area_m2).sqrt();
     let logarithm = (16.0 / distance).ln().max(std::f64::consts::SQRT_2);

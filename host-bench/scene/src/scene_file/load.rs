@@ -18,7 +18,6 @@ use crate::market::Preset;
 const STORE: CoreTable = StorageCapacitor::<f64, ()>::BOUNDS;
 const OF_PART: &str = "the preset's, else required";
 
-/// `[load]`.
 pub(super) static TABLE: Table = Table::of_kinds(&[&RESISTOR, &DC_BUS, &RECTIFIED_STORE]);
 
 static RESISTOR: Kind = Kind {

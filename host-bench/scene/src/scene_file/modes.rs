@@ -171,7 +171,6 @@ fn shape(eigenvalue: f64, place: f64) -> f64 {
 
 impl BumpStop {
     /// Natural frequencies in Hz, rising, of the modes kept of the beam, short-circuit and undamped, and of the rod.
-    #[must_use]
     pub fn natural_frequencies_hz(&self) -> [Vec<f64>; 2] {
         BumpStopModes::new(&self.parameters, self.stop.as_ref()).natural_frequencies_hz()
     }

@@ -19,7 +19,6 @@ const OF_PART: &str = "the preset's, else required";
 const OF_BATTERY: &str = "the preset's or the battery's, else required";
 const OF_LOAD: &str = "that of a rectified-store in `[load]`, else required";
 
-/// `[node]`.
 pub(super) static TABLE: Table = Table::of(&[
     whole("update_s", "s", between(1.0, 3600.0), "Time between two updates of the energy budget")
         .limit("divides 86400"),

@@ -21,7 +21,6 @@ pub struct Override {
 
 impl Override {
     /// The value of `key` shall be `value`, written as in a scene file; quotes may be left out.
-    #[must_use]
     pub fn new(key: &str, value: &str) -> Self {
         let parts: Vec<&str> = key.split('.').map(str::trim).collect();
         let key = current(&parts).join(".");
@@ -32,19 +31,16 @@ impl Override {
     }
 
     /// The same of another option than `--set`, which an error then names.
-    #[must_use]
     pub fn by(self, option: &'static str) -> Self {
         Self { option, ..self }
     }
 
     /// The key, with a dot between its parts.
-    #[must_use]
     pub fn key(&self) -> &str {
         &self.key
     }
 
     /// The value as a plain number or text: `33k` is `3.3e4`.
-    #[must_use]
     pub fn value(&self) -> &str {
         &self.value
     }
@@ -211,7 +207,6 @@ const PREFIXES: [(&str, i32); 12] = [
 
 /// A number for a key on a command line: plain, or with a prefix of a unit, with the unit of the key, or with both, such as
 /// `10M`, `33kΩ`, `20us` or, for an acceleration, `0.2g`. A letter that is a prefix is one: `5m` of a length is 5 mm.
-#[must_use]
 pub fn number_of(key: &str, text: &str) -> Option<f64> {
     let text = text.trim();
     if let Ok(plain) = text.parse() {
@@ -269,7 +264,6 @@ pub(super) fn alternatives(last: &str) -> impl Iterator<Item = &'static str> {
 }
 
 /// Whether setting `key` discards what was set at `before`: the same key, a table around it, or its alternative.
-#[must_use]
 pub fn replaces(key: &str, before: &str) -> bool {
     let (table, last) = key.rsplit_once('.').map_or(("", key), |(table, last)| (table, last));
     let beside = |other: &str| if table.is_empty() { other.to_owned() } else { format!("{table}.{other}") };
@@ -277,7 +271,6 @@ pub fn replaces(key: &str, before: &str) -> bool {
 }
 
 /// Whether `key` is `table`, or a key in it.
-#[must_use]
 pub fn contains(table: &str, key: &str) -> bool {
     key.strip_prefix(table).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }

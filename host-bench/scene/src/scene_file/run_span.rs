@@ -8,7 +8,6 @@ use super::section::Section;
 /// Shortest measuring window in s.
 const SHORTEST_WINDOW: f64 = 1e-9;
 
-/// `[run]`.
 pub(super) static TABLE: Table = Table::of(&[
     number("duration_s", "s", between(1e-6, 1e7), "End of the run").instead_of("duration_periods"),
     number("duration_periods", "periods of the sine", between(0.0, 1e12), "The same in periods")
@@ -24,7 +23,6 @@ pub(super) static TABLE: Table = Table::of(&[
         .instead_of("settle_s"),
 ]);
 
-/// Reads `[run]`.
 pub(super) fn run_span(mut section: Section<'_>, excitation: &Excitation) -> Result<RunSpan, SceneError> {
     let (duration_key, duration) = span(&mut section, excitation, ["duration_s", "duration_periods"])?;
     let Some(duration_s) = duration else {

@@ -12,12 +12,10 @@ pub use super::bump_stop::{
     BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters, TipMassParameters,
     Transducer,
 };
-pub use super::contact_separation::{
-    ContactSeparation, ContactSeparationParameters, ContactSeparationStart, Restitution,
-};
+pub use super::contact_separation::{ContactSeparation, ContactSeparationParameters, Restitution};
 use super::document::SceneError;
-pub use super::sliding::{Sliding, SlidingParameters, SlidingStart};
-pub use super::triboelectric::{ForceLaw, StickCharge};
+pub use super::sliding::{Sliding, SlidingParameters};
+pub use super::triboelectric::{ForceLaw, StickCharge, TriboelectricStart};
 pub use crate::market::Lockout;
 
 /// A checked scene.
@@ -40,7 +38,6 @@ pub struct Scene {
 
 impl Scene {
     /// The name that the file gives the scene: `contact-separation`, `sliding` or `bump-stop`.
-    #[must_use]
     pub fn name(&self) -> &'static str {
         self.model.summary().name
     }
@@ -105,7 +102,6 @@ pub enum Model {
 
 impl Model {
     /// What is said of it where its kind does not matter.
-    #[must_use]
     pub fn summary(&self) -> Summary {
         match self {
             Self::ContactSeparation(model) => model.summary(),
@@ -117,11 +113,9 @@ impl Model {
     /// Coordinate in m, velocity in m/s and charge in C at the start, to change them; `None` for bump-stop, which starts with modes.
     pub fn start_mut(&mut self) -> Option<[&mut Option<f64>; 3]> {
         match self {
-            Self::ContactSeparation(ContactSeparation { initial, .. }) => {
-                Some([&mut initial.gap_m, &mut initial.velocity_m_per_s, &mut initial.charge_c])
-            }
-            Self::Sliding(Sliding { initial, .. }) => {
-                Some([&mut initial.displacement_m, &mut initial.velocity_m_per_s, &mut initial.charge_c])
+            Self::ContactSeparation(ContactSeparation { initial, .. })
+            | Self::Sliding(Sliding { initial, .. }) => {
+                Some([&mut initial.position_m, &mut initial.velocity_m_per_s, &mut initial.charge_c])
             }
             Self::BumpStop(_) => None,
         }
@@ -149,7 +143,6 @@ pub enum Load {
 
 impl Load {
     /// Resistance in Ω between the harvester's terminals; behind a bridge infinite, as while it blocks.
-    #[must_use]
     pub fn resistance_ohm(self) -> f64 {
         match self {
             Self::Resistor { resistance_ohm } => resistance_ohm,
@@ -158,7 +151,6 @@ impl Load {
     }
 
     /// The same bridge into a bus of constant voltage in V, as large a storage is; `None` for a resistor.
-    #[must_use]
     pub fn with_voltage(self, voltage_v: f64) -> Option<Self> {
         match self {
             Self::Resistor { .. } => None,
@@ -214,7 +206,6 @@ pub enum Draw {
 
 impl Draw {
     /// Thresholds of the draw; `None` if the draw is always connected, or if there is none.
-    #[must_use]
     pub fn lockout(&self) -> Option<Lockout> {
         match *self {
             Self::None => None,
@@ -235,7 +226,6 @@ pub struct RunSpan {
 
 impl RunSpan {
     /// Length of the measuring window in s.
-    #[must_use]
     pub fn window_s(&self) -> f64 {
         self.duration_s - self.settle_s
     }

@@ -48,7 +48,6 @@ impl<'a> Section<'a> {
         format!("{}{key}", self.prefix)
     }
 
-    /// The row of a key that is asked for.
     fn row(&self, key: &str) -> Option<&'static Key> {
         let row = self.table.key(key, self.kind);
         debug_assert!(row.is_some() || key == self.table.selector, "{}: has no row", self.name(key));
@@ -66,7 +65,6 @@ impl<'a> Section<'a> {
         self.entries.iter().find(|(name, _)| name == key).map(|(_, node)| node)
     }
 
-    /// Whether the key is there.
     pub(super) fn has(&self, key: &str) -> bool {
         self.peek(key).is_some()
     }
@@ -114,12 +112,10 @@ impl<'a> Section<'a> {
         entries.find(|(written, _)| !is_another(written) && is_close(written, key))
     }
 
-    /// The file of the scene.
     pub(super) fn file(&self) -> &'a std::path::Path {
         &self.document.file
     }
 
-    /// The bound of a key.
     pub(super) fn bound(&self, key: &str) -> Bound {
         // A key without a row must not pass unchecked.
         self.row(key).map_or(Bound::NOTHING, Bound::of)
@@ -133,7 +129,6 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A number, if the key is there.
     pub(super) fn optional_number(&mut self, key: &'static str) -> Result<Option<f64>, SceneError> {
         let bound = self.bound(key);
         let Some(content) = self.content(key) else { return Ok(None) };
@@ -225,7 +220,6 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A text, if the value is one.
     pub(super) fn text(&mut self, key: &'static str) -> Option<&'a str> {
         self.content(key)?.text()
     }
@@ -262,7 +256,6 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Whether the key is there and `false`.
     pub(super) fn is_false(&mut self, key: &'static str) -> bool {
         self.peek(key).is_some_and(|node| node.content == Content::Boolean(false))
     }
@@ -304,7 +297,6 @@ impl<'a> Section<'a> {
         Ok(read)
     }
 
-    /// A table, if the key is there.
     pub(super) fn optional_table(&mut self, key: &'static str) -> Result<Option<Section<'a>>, SceneError> {
         match self.content(key) {
             None => Ok(None),

@@ -8,7 +8,8 @@ use super::key::{CoreTable, Key, Kind, Short, Table, Value, between, core, joine
 use super::limits;
 use super::section::Section;
 use super::triboelectric::{
-    FORCE_LAW, ForceLaw, STICK_CHARGE, StickCharge, force_law, natural_frequency, stick_charge,
+    FORCE_LAW, ForceLaw, STICK_CHARGE, StickCharge, TriboelectricStart, force_law, natural_frequency, start,
+    stick_charge, tables,
 };
 use super::{BEAM_KEYS, Summary};
 
@@ -21,7 +22,7 @@ pub struct Sliding {
     /// Table `[parameters]`.
     pub parameters: SlidingParameters,
     /// Table `[initial]`.
-    pub initial: SlidingStart,
+    pub initial: TriboelectricStart,
 }
 
 model_core::sliding_numbers! { of_rows! {
@@ -49,7 +50,7 @@ model_core::sliding_numbers! { of_rows! {
 impl Sliding {
     pub(super) fn summary(&self) -> Summary {
         let from = &self.parameters;
-        let SlidingStart { displacement_m, velocity_m_per_s, charge_c } = self.initial;
+        let TriboelectricStart { position_m, velocity_m_per_s, charge_c } = self.initial;
         let radius = from.patch_radius_m;
         // The normal force has no work: it acts on the friction, which only takes energy.
         let not_conserved = (!from.lateral_force).then_some(["lateral_force = false", "true"]);
@@ -58,7 +59,7 @@ impl Sliding {
             rest_m: 0.0,
             length_m: radius,
             range_m: [-1.95 * radius, 1.95 * radius],
-            start: Some([displacement_m, velocity_m_per_s, charge_c]),
+            start: Some([position_m, velocity_m_per_s, charge_c]),
             start_key: "initial.displacement_m",
             frequency_keys: BEAM_KEYS,
             damping_ratio: from.damping_ratio,
@@ -68,28 +69,10 @@ impl Sliding {
     }
 }
 
-/// `[initial]` of a sliding scene; what is `None` takes its default.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SlidingStart {
-    /// Displacement in m of the slider from the middle of the active patch; by default 0.
-    pub displacement_m: Option<f64>,
-    /// Velocity in m/s relative to the patches; by default 0.
-    pub velocity_m_per_s: Option<f64>,
-    /// Transferred charge in C; by default that of no voltage at the displacement.
-    pub charge_c: Option<f64>,
-}
-
-/// The scene.
 pub(super) static KIND: Kind = Kind {
     word: "sliding",
     meaning: "A charged disc at the tip of a cantilever that rubs over an electrode and an inert patch",
-    keys: &[
-        other("parameters", Value::Table(&PARAMETERS), "The harvester"),
-        other("initial", Value::Table(&INITIAL), "The state at the start")
-            .or_said("at rest, without voltage"),
-        other("limits", Value::Table(&limits::SLIDING), "The limits of the model")
-            .or_said("the defaults below"),
-    ],
+    keys: &tables(&PARAMETERS, &INITIAL, &limits::SLIDING),
 };
 
 const NUMBERS: [Key; 11] = model_core::sliding_numbers!(of_rows! { keys });
@@ -142,14 +125,22 @@ static INITIAL: Table = Table::of(&[
         .or_said("that of no voltage at the displacement"),
 ]);
 
-/// Reads the tables of the harvester.
 pub(super) fn model(root: &mut Section<'_>) -> Result<Sliding, SceneError> {
     let parameters = parameters(root.table("parameters")?)?;
-    let initial = root
-        .optional_table("initial")?
-        .map(|section| start(section, &parameters))
-        .transpose()?
-        .unwrap_or_default();
+    let initial = match root.optional_table("initial")? {
+        None => TriboelectricStart::default(),
+        Some(mut section) => {
+            let initial = start(&mut section, "displacement_m")?;
+            let reach = 2.0 * parameters.patch_radius_m;
+            if initial.position_m.is_some_and(|position| position.abs() >= reach) {
+                let reason =
+                    format!("must be within two patch radii, less than {} in magnitude", Short(reach));
+                return Err(section.refuse("displacement_m", reason));
+            }
+            section.finish()?;
+            initial
+        }
+    };
     Ok(Sliding { parameters, initial })
 }
 
@@ -177,19 +168,4 @@ fn parameters(mut section: Section<'_>) -> Result<SlidingParameters, SceneError>
         .map_err(|reason| section.refuse("beam_length_m", reason))?;
     section.finish()?;
     Ok(p)
-}
-
-fn start(mut section: Section<'_>, parameters: &SlidingParameters) -> Result<SlidingStart, SceneError> {
-    let start = SlidingStart {
-        displacement_m: section.optional_number("displacement_m")?,
-        velocity_m_per_s: section.optional_number("velocity_m_per_s")?,
-        charge_c: section.optional_number("charge_c")?,
-    };
-    let reach = 2.0 * parameters.patch_radius_m;
-    if start.displacement_m.is_some_and(|displacement| displacement.abs() >= reach) {
-        let reason = format!("must be within two patch radii, less than {} in magnitude", Short(reach));
-        return Err(section.refuse("displacement_m", reason));
-    }
-    section.finish()?;
-    Ok(start)
 }

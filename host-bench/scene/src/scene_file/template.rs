@@ -19,14 +19,12 @@ const SCENES: [(&str, &str); 8] = [
 ];
 
 /// The names of the templates.
-#[must_use]
 pub fn templates() -> [&'static str; 8] {
     SCENES.map(|(name, _)| name)
 }
 
 /// A template: every key with unit, bounds and meaning; those that may be left out and have no value are comments. `None`
 /// if there is none of this name.
-#[must_use]
 pub fn template(name: &str) -> Option<String> {
     let (name, text) = SCENES.iter().find(|(known, _)| *known == name)?;
     let document = Document::parse(Path::new(name), text).ok()?;
@@ -44,7 +42,6 @@ pub fn template(name: &str) -> Option<String> {
     Some(lines.0.join("\n") + "\n")
 }
 
-/// The lines of a template.
 struct Lines(Vec<String>);
 
 impl Lines {
@@ -109,7 +106,6 @@ impl Lines {
         self.0.push(format!("{line:<40}  # {}", comment.replace('`', "")));
     }
 
-    /// The tables of a key.
     fn inner(&mut self, key: &Key, given: Option<&Content>, path: &str, absent: bool) {
         let Some(table) = key.table() else { return };
         let items: Vec<Option<&Content>> = match given {
@@ -131,7 +127,6 @@ impl Lines {
     }
 }
 
-/// A value as TOML.
 fn written(content: &Content) -> String {
     match content {
         Content::Number(_, text) | Content::Date(text) => text.clone(),

@@ -1,8 +1,44 @@
 //! The choices that both triboelectric scenes have.
 
 use super::document::SceneError;
-use super::key::{Bound, Key, Short, Value, other, words};
+use super::key::{Bound, Key, Short, Table, Value, other, words};
 use super::section::Section;
+
+/// `[initial]` of a triboelectric scene; what is `None` takes its default.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TriboelectricStart {
+    /// Gap in m, by default the unstretched one; or displacement in m of the slider from the middle of the active patch, by
+    /// default 0.
+    pub position_m: Option<f64>,
+    /// Velocity in m/s, opening positive, or relative to the patches; by default 0.
+    pub velocity_m_per_s: Option<f64>,
+    /// Transferred charge in C; by default that of no voltage at the position.
+    pub charge_c: Option<f64>,
+}
+
+/// Reads `[initial]`, whose position has the key `position`.
+pub(super) fn start(
+    section: &mut Section<'_>,
+    position: &'static str,
+) -> Result<TriboelectricStart, SceneError> {
+    Ok(TriboelectricStart {
+        position_m: section.optional_number(position)?,
+        velocity_m_per_s: section.optional_number("velocity_m_per_s")?,
+        charge_c: section.optional_number("charge_c")?,
+    })
+}
+
+pub(super) const fn tables(
+    parameters: &'static Table,
+    initial: &'static Table,
+    limits: &'static Table,
+) -> [Key; 3] {
+    [
+        other("parameters", Value::Table(parameters), "The harvester"),
+        other("initial", Value::Table(initial), "The state at the start").or_said("at rest, without voltage"),
+        other("limits", Value::Table(limits), "The limits of the model").or_said("the defaults below"),
+    ]
+}
 
 /// Electrostatic force law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,12 +81,10 @@ pub(super) const STICK_CHARGE: Key = other(
     "Charge while the body sticks: it stays as it was, or flows on through the load",
 );
 
-/// The electrostatic force law.
 pub(super) fn force_law(section: &mut Section<'_>) -> Result<ForceLaw, SceneError> {
     section.choice("force_law", &FORCE_LAWS)
 }
 
-/// What the charge does in stick.
 pub(super) fn stick_charge(section: &mut Section<'_>) -> Result<StickCharge, SceneError> {
     section.choice("stick_charge", &STICK_CHARGES)
 }

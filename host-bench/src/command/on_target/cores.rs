@@ -58,7 +58,6 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
     Ok(())
 }
 
-/// The bench of each scene.
 fn benches() -> Result<[(Variant, Case); 3], Error> {
     let contact = crate::on_target::native::scene("contact-separation", &contact_separation::IMPACTING, 0.0)?;
     let slide = crate::on_target::native::scene("sliding", &sliding::SLIDING, 0.0)?;

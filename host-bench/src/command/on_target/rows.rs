@@ -11,7 +11,6 @@ use firmware_example::workload::Variant;
 /// Name of the method of the triboelectric scenes.
 pub(super) const RADAU: &str = "exponential Radau";
 
-/// The steps of a workload.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Steps {
     /// A relative tolerance per radian.
@@ -25,7 +24,6 @@ pub(super) enum Steps {
 }
 
 impl Steps {
-    /// As a table shows them.
     pub(super) fn text(self) -> String {
         match self {
             Self::Tolerance(tolerance) => format!("tolerance {tolerance}"),
@@ -36,7 +34,6 @@ impl Steps {
     }
 }
 
-/// A workload as the reports describe it.
 #[derive(Debug, Clone)]
 pub(super) struct Case {
     pub(super) name: String,
@@ -95,7 +92,6 @@ impl Case {
     }
 }
 
-/// A workload measured on a core.
 #[derive(Debug)]
 pub(super) struct Row {
     pub(super) case: Case,
@@ -128,7 +124,6 @@ pub(super) fn measure(bench: &Bench, variant: &Variant, cases: Vec<Case>) -> Res
 }
 
 impl Row {
-    /// The counted time.
     pub(super) fn counted(&self) -> Stretch {
         self.workload.after(self.case.counted_from_us)
     }

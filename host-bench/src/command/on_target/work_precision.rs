@@ -140,7 +140,6 @@ fn settled(scene: &Scene) -> Result<Case, Error> {
     Ok(Case { counted_from_us, ..Case::of_scene("settled", scene, rows::RADAU, Steps::None)? })
 }
 
-/// The cases of a scene by exponential Radau.
 fn radau_cases(scene: &Scene, tolerances: &[f32]) -> Result<Vec<Case>, Error> {
     let case = settled(scene)?;
     let with = |&tolerance| Case { steps: Steps::Tolerance(tolerance), ..case.clone() };

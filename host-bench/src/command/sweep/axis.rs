@@ -7,7 +7,6 @@ use crate::scene_file::number_of;
 /// Most points on one axis.
 const MOST: usize = 100_000;
 
-/// Values for one key of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::command) struct Axis {
     /// The key, such as `load.resistance_ohm`.
@@ -20,7 +19,6 @@ pub(in crate::command) struct Axis {
 }
 
 impl Axis {
-    /// Evenly spread values.
     pub(in crate::command) fn linear(key: &str, [from, to]: [f64; 2], count: usize) -> Self {
         Self { key: key.to_owned(), from, to, count, logarithmic: false }
     }

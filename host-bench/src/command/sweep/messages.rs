@@ -42,7 +42,6 @@ pub(super) fn best(points: &[Point]) -> Option<(usize, &Point, f64)> {
     powers.max_by(|one, other| one.2.total_cmp(&other.2)).filter(|_| points.len() > 1)
 }
 
-/// It in words.
 pub(super) fn best_text((_, point, power): (usize, &Point, f64)) -> String {
     let accuracy = point.found.as_ref().ok().and_then(|fields| fields.get("accuracy"));
     let stated = match (accuracy.and_then(|accuracy| accuracy.get("total")?.as_f64()), point.is_stated()) {

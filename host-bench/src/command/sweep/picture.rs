@@ -28,7 +28,6 @@ impl Quantity {
     }
 }
 
-/// What a picture says beside its values.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::command) struct Labels<'a> {
     pub(in crate::command) title: &'a str,
@@ -60,7 +59,6 @@ pub(in crate::command) fn picture(
     (!charts.is_empty()).then_some(Picture { title, width: 900, charts, ..Picture::default() })
 }
 
-/// An axis as that of a chart.
 fn across(axis: &Axis) -> chart::Axis {
     let span = [axis.value(0), axis.value(axis.count() - 1)];
     chart::Axis::scaled(axis.logarithmic, label(&axis.key), span)
@@ -126,7 +124,6 @@ mod tests {
         text.parse().expect("an axis")
     }
 
-    /// The texts of a picture.
     fn texts(svg: &str) -> Vec<String> {
         let content =
             |element: &str| Some(element.split_once('>')?.1.split("</text").next()?.trim().to_owned());

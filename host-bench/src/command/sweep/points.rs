@@ -9,7 +9,7 @@ use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
 use crate::budget::day_numbers;
 use crate::command::files::{Outputs, make_folder};
-use crate::command::{NODE, SceneArguments, StorageVoltage, check_keys, note, print, progress};
+use crate::command::{NODE, SceneArguments, StorageVoltage, check_keys, note, print, with_progress};
 use crate::input::{self, MOST_OF_DATA};
 use crate::method::{Failure, Options};
 use crate::name::Name;
@@ -62,7 +62,6 @@ impl PointArguments {
         }
     }
 
-    /// The options of each run.
     pub(in crate::command) fn options(&self) -> Options {
         Options { steady_state: self.steady_state, ..self.scene.options }
     }
@@ -84,7 +83,6 @@ pub(in crate::command) struct Points<'a> {
     pub(in crate::command) compare: bool,
 }
 
-/// One point and its outcome.
 pub(in crate::command) struct Point {
     pub(in crate::command) values: Vec<(String, f64)>,
     pub(in crate::command) found: Result<Fields, String>,
@@ -131,17 +129,15 @@ impl Points<'_> {
         if let Some(done) = rows.as_ref().map(Rows::count).filter(|done| *done > 0) {
             note(&format!("{done} of {} points were done before", self.count));
         }
-        let bar = progress(self.count);
-        let points: Result<Vec<Point>, Failure> = (0..self.count)
-            .into_par_iter()
-            .map(|index| {
+        let points = with_progress(self.count, |bar| {
+            let point = |index| {
                 let point = self.point(&options, index, rows.as_ref());
                 bar.inc(1);
                 point
-            })
-            .collect();
-        bar.finish_and_clear();
-        Ok(Done { points: points?, outputs, rows })
+            };
+            (0..self.count).into_par_iter().map(point).collect::<Result<Vec<Point>, Failure>>()
+        })?;
+        Ok(Done { points, outputs, rows })
     }
 
     /// Writes the table of the points, and the picture if there is one, prints the result, and fails if a point did.
@@ -170,12 +166,10 @@ impl Points<'_> {
         Err(Failure::Step(format!("{count} of {all} points failed, the first at {place}: {error}")))
     }
 
-    /// The table, the picture and the page.
     fn files(&self) -> [String; 3] {
         ["csv", "svg", "html"].map(|ending| format!("{}.{ending}", self.command))
     }
 
-    /// The scene with these values.
     pub(in crate::command) fn scene(&self, values: &[f64]) -> Result<Scene, Failure> {
         let (file, overrides) = (&self.arguments.scene.scene, self.overrides(values));
         let mut scene = match self.arguments.node {
@@ -274,7 +268,6 @@ fn check_folder(folder: &Path, [table, drawing, page]: &[String; 3]) -> Result<(
 }
 
 impl Point {
-    /// A number of its outcome.
     pub(in crate::command) fn number(&self, name: &str) -> Option<f64> {
         self.found.as_ref().ok()?.get(name)?.as_f64()
     }
@@ -284,7 +277,6 @@ impl Point {
         self.warnings().any(|warning| warning.starts_with("accuracy:"))
     }
 
-    /// A text of its outcome.
     pub(in crate::command) fn text(&self, name: &str) -> Option<&str> {
         self.found.as_ref().ok()?.get(name)?.as_str()
     }
@@ -294,13 +286,11 @@ impl Point {
         self.text("steady_state").is_some_and(|verdict| verdict != STABLE)
     }
 
-    /// The warnings of its outcome.
     pub(super) fn warnings(&self) -> impl Iterator<Item = &str> {
         let list = self.found.as_ref().ok().and_then(|fields| fields.get("warnings")?.as_array());
         list.into_iter().flatten().filter_map(|warning| warning.as_str())
     }
 
-    /// Its values, for a sentence.
     pub(super) fn place(&self) -> String {
         self.values.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ")
     }
@@ -350,7 +340,6 @@ fn compared(
     }))
 }
 
-/// A row for each point.
 pub(super) fn csv(points: &[Point]) -> String {
     let rows: Vec<Fields> = points.iter().map(|point| flattened(point.row())).collect();
     let run = points.iter().position(|point| point.found.is_ok()).unwrap_or(0);

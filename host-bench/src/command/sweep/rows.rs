@@ -57,7 +57,6 @@ impl Rows {
     }
 }
 
-/// A point as a line.
 fn line(number: usize, found: &Result<Fields, String>) -> String {
     let point = match found {
         Ok(fields) => json!({ "point": number, "fields": exact(Value::Object(fields.clone())) }),

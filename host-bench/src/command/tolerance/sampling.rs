@@ -77,7 +77,6 @@ pub(super) fn correlation(text: &str) -> Result<Correlation, String> {
     Ok((one.trim().to_owned(), other.trim().to_owned(), value))
 }
 
-/// What the samples are drawn from.
 #[derive(Debug)]
 pub(super) struct Sampling {
     /// Those of `--vary`, and behind them those of the parts.

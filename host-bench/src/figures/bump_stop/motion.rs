@@ -39,7 +39,6 @@ pub struct Motion {
     pub rows: Vec<Vec<f64>>,
 }
 
-/// The options of the runs.
 pub(super) fn options() -> Options {
     Options { step_s: Some(STEP_S), ..Options::default() }
 }
@@ -123,7 +122,6 @@ fn plot(title: &str, up: &'static str, curves: Vec<Curve>) -> Chart {
     )
 }
 
-/// Figure 6.
 pub(super) fn six(tip: &Motion, [base, note]: [&str; 2]) -> Figure {
     let plots = [
         ("Figure 6 (a)", "displacement [µm]", BLUE, STOP_POINT, 1e6),
@@ -149,7 +147,6 @@ pub(super) fn six(tip: &Motion, [base, note]: [&str; 2]) -> Figure {
     }
 }
 
-/// Figure 8.
 pub(super) fn eight([tip, none]: [&Motion; 2], [base, note]: [&str; 2]) -> Figure {
     let curves = vec![
         curve("without impact", BLUE, none, VOLTAGE, 1.0),
@@ -169,7 +166,6 @@ pub(super) fn eight([tip, none]: [&Motion; 2], [base, note]: [&str; 2]) -> Figur
     }
 }
 
-/// Figure 9.
 pub(super) fn nine([tip, mid, none]: [&Motion; 3], [base, note]: [&str; 2]) -> Figure {
     let curves = vec![
         curve("no stop", BLUE, none, VOLTAGE, 1.0),
@@ -202,7 +198,6 @@ pub(super) fn nine([tip, mid, none]: [&Motion; 3], [base, note]: [&str; 2]) -> F
     }
 }
 
-/// All columns of one motion.
 fn whole(motion: &Motion) -> String {
     let cell = |row: &Vec<f64>, column: usize| row.get(column).copied().map(number).unwrap_or_default();
     csv(

@@ -36,7 +36,6 @@ pub(super) fn of(motions: [(&Scene, &Motion); 2], done: &(dyn Fn() + Sync)) -> R
     })
 }
 
-/// Figure 10.
 pub(super) fn ten(clusters: &[Cluster], [base, note]: [&str; 2]) -> Figure {
     let drawn = |(letter, place): (char, &str), cluster: &Cluster| {
         let curves: Vec<Curve> = cluster

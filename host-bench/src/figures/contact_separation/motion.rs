@@ -140,7 +140,6 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// The frequencies in Hz.
     pub(crate) fn frequencies(self) -> impl Iterator<Item = f64> {
         (self.from..=self.to)
             .step_by(usize::from(self.step.max(1)))
@@ -186,7 +185,6 @@ const END: u32 = SETTLE + WINDOW;
 const PER_PERIOD: u32 = 60;
 const SIZE: (u32, u32) = (1130, 520);
 
-/// Runs the four cases and draws them.
 pub(super) fn nine(
     base: &Scene,
     [charge_density, resistance]: [f64; 2],

@@ -97,7 +97,6 @@ pub(crate) fn sweeps(
     Ok(pairs.iter().zip(parts).map(sweep).collect())
 }
 
-/// Figure 8 from the sweeps.
 pub(super) fn eight(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> Figure {
     let wanted: Vec<&Sweep> = sweeps.iter().filter(|sweep| in_eight(sweep.resistance)).collect();
     let up = gap_axis(&wanted);
@@ -128,7 +127,6 @@ pub(super) fn eight(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> F
     }
 }
 
-/// Figure 11 from the sweeps.
 pub(super) fn eleven(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> Figure {
     let [few, .., many] = CHARGE_DENSITIES;
     let wanted: Vec<&Sweep> = sweeps.iter().filter(|sweep| in_eleven(sweep.charge_density)).collect();

@@ -8,8 +8,7 @@ use crate::scene_file;
 const TOLERANCE: f64 = RESPONSE_TOLERANCE;
 
 fn base() -> Scene {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/contact-separation.toml");
-    scene_file::read(file.as_ref(), &[]).expect("the shipped scene")
+    scene_file::read_shipped("contact-separation", &[]).expect("the shipped scene")
 }
 
 fn strong(frequency: f64) -> Case {

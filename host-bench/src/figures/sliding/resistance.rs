@@ -53,7 +53,6 @@ fn along(peaks: &[Peak], charge_density: f64) -> Vec<&Peak> {
     resistances().iter().filter_map(|&resistance| of(peaks, charge_density, resistance)).collect()
 }
 
-/// Figure 6.
 pub(super) fn six(peaks: &[Peak], natural: f64, [base, note]: [&str; 2]) -> Figure {
     let shift = |peak: &Peak| 1e3 * (peak.frequency_hz - natural);
     let amplitude = |peak: &Peak| 1e3 * peak.amplitude_m;
@@ -177,7 +176,6 @@ pub(super) fn charge_sweep(peaks: &[Peak], natural: f64, note: &str) -> Figure {
     }
 }
 
-/// The peaks over the resistance.
 pub(super) fn resistance_sweep(peaks: &[Peak], natural: f64, note: &str) -> Figure {
     let headings = ["load", "20 µC/m²: shift [Hz]", "[mm]", "[V]", "120 µC/m²: shift [Hz]", "[mm]", "[V]"];
     let cases = DENSITIES.map(|density| ROWS.map(|load| (density, load)));

@@ -180,7 +180,6 @@ fn panel(
     Panel::new(name, SIZE, [plot])
 }
 
-/// Figure 3.
 pub(super) fn three(all: &[Response], [base, note]: [&str; 2]) -> Figure {
     let case = |charge_density| (f64::to_string(&charge_density), Case { charge_density, resistance: LOAD });
     let wanted = of(all, FIGURE_THREE.map(case));
@@ -204,7 +203,6 @@ pub(super) fn three(all: &[Response], [base, note]: [&str; 2]) -> Figure {
     }
 }
 
-/// The responses to named cases.
 fn of(all: &[Response], cases: [(String, Case); 5]) -> Vec<(String, &Response)> {
     let found = |(name, case)| Some((name, all.iter().find(|response| response.case == case)?));
     cases.into_iter().filter_map(found).collect()
@@ -228,7 +226,6 @@ fn panels(number: u32, which: usize, base: &str, wanted: &[(String, &Response)])
     ]
 }
 
-/// Figure 4.
 pub(super) fn four(all: &[Response], [base, note]: [&str; 2]) -> Figure {
     let wanted = at_density(all, DENSITIES[0]);
     Figure {
@@ -246,7 +243,6 @@ pub(super) fn four(all: &[Response], [base, note]: [&str; 2]) -> Figure {
     }
 }
 
-/// Figure 5.
 pub(super) fn five(all: &[Response], [base, note]: [&str; 2]) -> Figure {
     let wanted = at_density(all, DENSITIES[1]);
     Figure {

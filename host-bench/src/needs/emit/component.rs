@@ -21,7 +21,6 @@ pub(super) fn with_fields(name: &str, fields: &[(&str, String)]) -> Component {
     Component { of_type: format!("{name}<f32>"), value: format!("{name} {{ {} }}", fields.join(", ")) }
 }
 
-/// A number in single precision.
 pub(super) fn number(value: f64) -> String {
     let single = value as f32;
     if single.is_finite() { format!("{single:?}") } else { "f32::INFINITY".to_owned() }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::outcome::standard_error_of_sum;
-use crate::scene_file::{self, Override};
+use crate::scene_file;
 
 const ACCURACY: f64 = 0.2;
 
@@ -14,16 +14,15 @@ fn scene(duration_s: &str) -> Scene {
         ("run.duration_s", duration_s),
         ("run.settle_s", "0.1"),
     ];
-    let overrides = changes.map(|(key, value)| Override::new(key, value));
-    scene_file::read(&scene_file::shipped("bump-stop-mid-span"), &overrides).expect("valid")
+    scene_file::read_shipped("bump-stop-mid-span", &changes).expect("valid")
 }
 
 /// The window of 14 s ends within a cycle of the switch, the one of 15 s just after a turn-on.
 #[test]
 fn a_switched_storage_is_compared_over_whole_cycles_wherever_the_window_ends() {
     let of = |duration_s: &str| {
-        let changes = [Override::new("run.duration_s", duration_s)];
-        let scene = scene_file::read(&scene_file::shipped("rectified"), &changes).expect("valid");
+        let changes = [("run.duration_s", duration_s)];
+        let scene = scene_file::read_shipped("rectified", &changes).expect("valid");
         let study = Study::new(&scene, 0.01).expect("runs");
         let change = study.change(&[Part::ElectrostaticForce]).expect("runs");
         (study, change)

@@ -43,7 +43,6 @@ fn periods(frequency_hz: f64) -> [u32; 2] {
     }
 }
 
-/// The case with this sine.
 fn driven(case: Case, [amplitude, frequency_hz]: [f64; 2]) -> Case {
     let [all, settle] = periods(frequency_hz);
     case.with_number("excitation.amplitude_m_per_s2", amplitude)

@@ -5,7 +5,6 @@ use std::ops::RangeInclusive;
 use super::super::Case;
 use super::{BUMP_STOP, CONTACT_SEPARATION, Drawing, Drawn, SLIDING, draw, text};
 
-/// What a featured case has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Feature {
     /// A random acceleration whose band ends 1.05 to 4 times the natural frequency.
@@ -87,7 +86,6 @@ const BASES: [Base; 4] = [
 ];
 
 /// The case of a number under a seed: with a feature in about three of five, otherwise that of [`draw`].
-#[must_use]
 pub fn draw_varied(seed: u64, number: u64) -> Case {
     let mut source = Source::new(seed ^ OTHER_SEQUENCE, number);
     let mut left = source.uniform(0.0, 1.0);

@@ -1,23 +1,19 @@
 //! A short table of the shipped scene.
 
-use std::path::Path;
-
 use super::super::{compare, length, table};
 use super::*;
-use crate::scene_file::{self, Override};
+use crate::scene_file::read_shipped;
 
 #[test]
 fn every_method_converges_and_the_explicit_one_fails_where_it_must() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/bump-stop.toml");
-    let overrides = [
+    let changes = [
         ("parameters.beam_modes", "6"),
         ("stop.rod_modes", "2"),
         ("stop.gap_m", "5e-6"),
         ("run.duration_s", "5.67e-3"),
         ("run.settle_s", "0"),
-    ]
-    .map(|(key, value)| Override::new(key, value));
-    let scene = scene_file::read(&file, &overrides).expect("valid");
+    ];
+    let scene = read_shipped("bump-stop", &changes).expect("valid");
     let extent = Extent { runs: 1, seconds_per_row: 1.0, backends: 5, whole: false };
     let steps = std::cell::Cell::new(0);
     let comparison = compare(&scene, &extent, || steps.set(steps.get() + 1)).expect("runs");

@@ -87,7 +87,6 @@ impl Comparison {
         text + "\n"
     }
 
-    /// A line of the table of ratios.
     fn ratios(&self) -> Vec<String> {
         let mut cells = vec![self.case.name.to_owned()];
         for target in TARGETS {

@@ -196,23 +196,6 @@ fn a_constrained_contact_is_counted_once() {
 }
 
 #[test]
-fn a_run_with_impacts_resumes_with_the_same_bits() {
-    let mut parameters = baseline::<f32>();
-    parameters.choices.stop.contact = AnyContact::Restitution(Restitution { coefficient: 0.3 });
-    let scene = parameters.build::<6, 1>().expect("valid");
-    let stepper = Stepper::new(scene, 1e-6, 2e-5).expect("in bounds");
-    let excitation = vibration::<f32>();
-    let mut whole = scene.start(&Start::default(), &excitation).expect("valid");
-    let mut divided = whole;
-    let advance = stepper.advance(&mut whole, &excitation, seconds(0.02), u32::MAX, &mut ()).expect("runs");
-    assert!(advance.work.events > 20);
-    while divided.clock < seconds(0.02) {
-        stepper.advance(&mut divided, &excitation, seconds(0.02), 1, &mut ()).expect("runs");
-    }
-    assert_eq!(whole, divided);
-}
-
-#[test]
 fn parameters_out_of_bounds_and_starts_in_penetration_are_named() {
     let refused = |change: fn(&mut Parameters<f64, AnyChoices<f64>>)| {
         let mut changed = baseline();

@@ -83,8 +83,11 @@ fn a_run_comes_to_rest_at_the_static_deflection() {
 
 #[test]
 fn the_steady_run_is_the_closed_form() {
-    for coupling in [AnyCoupling::TwoWay, AnyCoupling::OneWay] {
-        let choices = Choices::new(Resistor { resistance: 1e5 }).coupling(coupling).tip_mass(block());
+    let bodies = [Some(block()), None];
+    for (coupling, body) in
+        [AnyCoupling::TwoWay, AnyCoupling::OneWay].map(|it| bodies.map(|body| (it, body))).concat()
+    {
+        let choices = Choices::new(Resistor { resistance: 1e5 }).coupling(coupling).tip_mass(body);
         let mut parameters = chosen(choices);
         parameters.damping_ratio = 0.05;
         let scene = parameters.build::<6, 0>().expect("valid");

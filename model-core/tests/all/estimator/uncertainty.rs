@@ -1,5 +1,6 @@
 //! The figures of the estimator for its own error, by the step and by rounding, against the actual error.
 
+use super::calibration::{contact_scenes, sliding_scenes};
 use super::{follow, hybrid, settings};
 use crate::common::harvesters::{bump, contact_parameters, sine_samples, sliding_parameters};
 use model_core::energy::{Estimate, Estimator};
@@ -82,17 +83,10 @@ fn covers_with_steps<A: Scene<f32, 3, 1>, B: Scene<f64, 3, 1>>(
 fn the_figure_for_rounding_covers_single_precision_in_regular_motion() {
     for step in [2e-4, 5e-5] {
         for resistance in [1e8, 1e6] {
-            let (mut single, mut double) = (sliding_parameters::<f32>(), sliding_parameters::<f64>());
-            (single.choices.load.resistance, double.choices.load.resistance) =
-                (resistance as f32, resistance);
-            let scenes = (single.build().expect("in bounds"), double.build().expect("in bounds"));
-            covers_with_steps(scenes, step, both_precisions(0.36 * GRAVITY, 18.373, 400.0, 1200));
-
-            let (mut single, mut double) = (contact_parameters::<f32>(), contact_parameters::<f64>());
-            (single.choices.load.resistance, double.choices.load.resistance) =
-                (resistance as f32, resistance);
-            let scenes = (single.build().expect("in bounds"), double.build().expect("in bounds"));
-            covers_with_steps(scenes, step, both_precisions(1.962, 20.0, 400.0, 1200));
+            let samples = both_precisions(0.36 * GRAVITY, 18.373, 400.0, 1200);
+            covers_with_steps(sliding_scenes(8e-3, resistance), step, samples);
+            let samples = both_precisions(1.962, 20.0, 400.0, 1200);
+            covers_with_steps(contact_scenes(80.0, resistance), step, samples);
         }
     }
     // Bump-stop that is not shaken enough to touch: with contact it is chaotic.

@@ -1,7 +1,7 @@
 //! A node that a firmware drives by its own loop, without `Runner`: each kind of power loss, by an image and by a state in RAM that
 //! survived.
 
-use super::power_downs::{DEAR, dear_node};
+use super::power_downs::dear_node;
 use super::*;
 use model_core::node::{Progress, Task, Wake};
 use model_core::snapshot::{Image, newest_image, read_image, save_image};
@@ -112,8 +112,8 @@ impl Bench {
 
 #[test]
 fn a_loop_of_ones_own_has_the_bits_of_the_runner() {
-    let mut firmware = Firmware::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() });
-    let mut runner = OneRunner::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() }, dear_node(), 0);
+    let mut firmware = Firmware::new(Bench::dear());
+    let mut runner = OneRunner::new(Bench::dear(), dear_node(), 0);
     firmware.run_until(43_200);
     while runner.board().second < 43_200 || !runner.is_idle() {
         runner.step();
@@ -126,7 +126,7 @@ fn a_loop_of_ones_own_has_the_bits_of_the_runner() {
 #[test]
 fn after_each_loss_of_power_the_node_goes_on_by_an_image_from_a_store_of_ones_own() {
     for (name, change, gap) in losses() {
-        let mut firmware = Firmware::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() });
+        let mut firmware = Firmware::new(Bench::dear());
         firmware.run_until(21_600);
         let mut store = vec![0; model_core::snapshot::image_size::<OneNode>()];
         let size = save_image(firmware.node, &firmware.state, 7, &mut store).expect("room");
@@ -152,7 +152,7 @@ fn after_each_loss_of_power_the_node_goes_on_by_an_image_from_a_store_of_ones_ow
 fn after_each_loss_of_power_the_node_goes_on_by_a_state_in_ram_even_within_a_burst() {
     for (name, change, gap) in losses() {
         for is_within in [false, true] {
-            let mut firmware = Firmware::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() });
+            let mut firmware = Firmware::new(Bench::dear());
             firmware.run_until(21_600);
             while is_within && !(firmware.is_sampling && firmware.board.taken > 200) {
                 firmware.step();

@@ -14,22 +14,31 @@ pub(super) fn dear_node() -> &'static OneNode {
     Box::leak(Box::new(built(parameters, RATE, 20.13).expect("valid")))
 }
 
-/// A node after six hours with its image saved, resumed on the same board after a gap that `change` made, run on for two
-/// hours: its states before the gap, after it, and at the end. Whatever it tells in these hours is inside its bound.
-fn resumed_after(gap: fn(u32) -> Outage, change: impl Fn(&mut Bench)) -> [OneState; 3] {
-    let mut runner = OneRunner::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() }, dear_node(), 0);
+impl Bench {
+    /// In a stronger vibration, with these actions.
+    pub(super) fn dear() -> Self {
+        Self { vibration: 2.5, actions: DEAR, ..Self::new() }
+    }
+}
+
+/// A node after six hours.
+fn after_six_hours() -> OneRunner {
+    let mut runner = OneRunner::new(Bench::dear(), dear_node(), 0);
     while OneNode::second(runner.state()) < 21_600 {
         step(&mut runner);
     }
+    runner
+}
+
+/// A node after six hours with its image saved, resumed on the same board after a gap that `change` made, run on for two
+/// hours: its states before the gap, after it, and at the end. Whatever it tells in these hours is inside its bound.
+fn resumed_after(gap: fn(u32) -> Outage, change: impl Fn(&mut Bench)) -> [OneState; 3] {
+    let mut runner = after_six_hours();
     runner.save(&mut [0; SLOT_BYTES]).expect("room");
     let before = *runner.state();
     let mut board = runner.into_board();
-    board.stop_sensor();
     change(&mut board);
-    let second = board.second;
-    let mut runner = OneRunner::new(board, dear_node(), second);
-    let mut buffer = [0; SLOT_BYTES];
-    runner.resume(&mut buffer, gap(second)).expect("an image");
+    let mut runner = resumed_on(dear_node(), board, gap);
     let after = *runner.state();
     let (mut last, mut hours) = (before.last_hour(), 0);
     while OneNode::second(runner.state()) < OneNode::second(&after) + 7200 {
@@ -65,8 +74,7 @@ fn after_a_power_down_of_a_known_time_its_income_is_told() {
 
 #[test]
 fn after_a_reset_between_two_images_what_was_done_since_the_image_is_no_missing_income() {
-    let bench = Bench { vibration: 2.5, actions: DEAR, ..Bench::new() };
-    let mut runner = OneRunner::new(bench, dear_node(), 0);
+    let mut runner = OneRunner::new(Bench::dear(), dear_node(), 0);
     let (mut saved, mut last, mut random) = (0, None, 1_u32);
     let (mut hours, mut inside, mut bounds) = (0, 0, 0.0);
     // An image each hour, and a reset 5 to 55 minutes after it.
@@ -82,8 +90,7 @@ fn after_a_reset_between_two_images_what_was_done_since_the_image_is_no_missing_
         }
         if second >= reset {
             reset = u32::MAX;
-            runner = OneRunner::new(runner.into_board(), dear_node(), second);
-            runner.resume(&mut [0; SLOT_BYTES], Outage::OnUntil(second)).expect("an image");
+            runner = resumed_on(dear_node(), runner.into_board(), Outage::OnUntil);
             assert_eq!(OneNode::second(runner.state()), second);
         }
         if runner.state().last_hour() != last {
@@ -105,18 +112,12 @@ fn after_a_reset_between_two_images_what_was_done_since_the_image_is_no_missing_
 fn after_a_clock_that_goes_back_the_node_goes_on_from_the_new_time() {
     // While the node sleeps, and at a reset.
     for (back, is_reset) in [(7200, false), (20_000, false), (7200, true)] {
-        let mut runner =
-            OneRunner::new(Bench { vibration: 2.5, actions: DEAR, ..Bench::new() }, dear_node(), 0);
-        while OneNode::second(runner.state()) < 21_600 {
-            step(&mut runner);
-        }
+        let mut runner = after_six_hours();
         let (before, ran) = (*runner.state(), runner.board().ran);
         runner.save(&mut [0; SLOT_BYTES]).expect("room");
         runner.board_mut().second -= back;
         if is_reset {
-            let second = runner.board().second;
-            runner = OneRunner::new(runner.into_board(), dear_node(), second);
-            runner.resume(&mut [0; SLOT_BYTES], Outage::OnUntil(second)).expect("an image");
+            runner = resumed_on(dear_node(), runner.into_board(), Outage::OnUntil);
         }
         let start = runner.board().second;
         let (mut last, mut hours) = (before.last_hour(), 0);

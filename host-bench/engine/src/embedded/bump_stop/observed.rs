@@ -150,7 +150,6 @@ pub struct ContactInterval {
 
 impl ContactInterval {
     /// Its length in s.
-    #[must_use]
     pub fn length_s(&self) -> f64 {
         self.ends_s - self.begins_s
     }

@@ -62,7 +62,6 @@ where
     Box::new(Triboelectrical { model, prepare: prepared::<f64, M, T>, typical, known: None })
 }
 
-/// A scene behind a bridge.
 pub(super) fn bridged<'a, M: Mathematics<f64>, T: Triboelectric>(model: &'a T) -> Box<dyn Kind + 'a>
 where
     <T::Core<f64, M> as Automaton<f64, STATES, 0>>::Mode: 'static,

@@ -200,17 +200,3 @@ fn a_voltage_that_relaxes_within_a_step_has_its_own_peak() {
     let [low, high] = [1e-3, 1e-2].map(|resistance| peak(Some(0.0), resistance, 0.0));
     close(high, 10.0 * low, 1e-3);
 }
-
-/// A free oscillation of one mode turns at `−e^(−πζ/√(1−ζ²))` of the turn before.
-#[test]
-fn the_largest_range_at_the_clamp_is_between_turning_points() {
-    let (mut model, mut scene) = scene([1, 0], [0.0, 0.05]);
-    model.stop = None;
-    model.parameters.damping_ratio = 0.236;
-    model.initial.modal_velocity = vec![1e-3];
-    scene.load = Load::Resistor { resistance_ohm: 0.0 };
-    scene.excitation = Excitation::Silence;
-    let clamp = particular(&run(&model, &scene, None).0).clamp.expect("measured");
-    let ratio = 1.0 + (-std::f64::consts::PI * 0.236 / (1.0f64 - 0.236 * 0.236).sqrt()).exp();
-    close(clamp.clamp_stress_largest_range_pa, ratio * clamp.clamp_stress_peak_pa, 1e-5);
-}

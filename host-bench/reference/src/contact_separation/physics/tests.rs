@@ -5,7 +5,7 @@ use crate::triboelectric::tests::check_jacobian;
 
 fn physics(force_law: ForceLaw, resistance_ohm: f64, charge_c: Option<f64>) -> (Physics, Motion) {
     let parameters = crate::contact_separation::tests::table_2(50e-6, force_law);
-    let start = ContactSeparationStart { charge_c, ..Default::default() };
+    let start = TriboelectricStart { charge_c, ..Default::default() };
     Physics::new(&parameters, Load::Resistor { resistance_ohm }, &start)
 }
 

@@ -8,7 +8,7 @@ const LAWS: [ForceLaw; 2] = [ForceLaw::TransferredCharge, ForceLaw::GapField];
 fn physics(force_law: ForceLaw, resistance_ohm: f64, charge_c: Option<f64>) -> (Physics, Motion) {
     let parameters =
         SlidingParameters { lateral_force: true, ..crate::sliding::tests::table_1(80e-6, force_law) };
-    let start = SlidingStart { displacement_m: Some(4e-3), charge_c, ..Default::default() };
+    let start = TriboelectricStart { position_m: Some(4e-3), charge_c, ..Default::default() };
     Physics::new(&parameters, Load::Resistor { resistance_ohm }, &start)
 }
 

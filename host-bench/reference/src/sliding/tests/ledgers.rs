@@ -1,9 +1,8 @@
 //! Both energy ledgers close whatever the laws are.
 
-use std::sync::Arc;
-
 use super::*;
-use harvester_scene::scene_file::Trace;
+use crate::triboelectric::tests::{draws, ledgers_close_with_storage};
+use harvester_scene::scene_file::Lockout;
 
 const LAWS: [ForceLaw; 2] = [ForceLaw::TransferredCharge, ForceLaw::GapField];
 
@@ -55,23 +54,19 @@ fn the_lateral_force_brakes_by_what_the_load_receives() {
     assert!((loss / share - 1.0).abs() < 0.1, "{loss} {share}");
 }
 
-/// A trace of a sine, finely sampled, does what the sine does, through a corner at every sample.
+/// Every law and every draw, with sticks.
 #[test]
-fn a_sampled_sine_is_nearly_the_sine() {
-    let parameters = table_1(80e-6, ForceLaw::TransferredCharge);
-    let smooth = shaken(parameters, 1e8, 0.3, 10.0, [1.0, 3.0]);
-    let mut sampled = smooth.clone();
-    let rate = 1000.0;
-    let samples: Arc<[f64]> = (0..100)
-        .map(|index| 0.3 * GRAVITY * (std::f64::consts::TAU * 10.0 * f64::from(index) / rate).sin())
-        .collect();
-    sampled.excitation = Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: rate, repeat: true });
-    let (smooth, sampled) = (run(&smooth), run(&sampled));
-    // Straight lines between samples take (2π · 10 / 1000)² / 12 = 3e-4 off the amplitude; of it, what
-    // exceeds the friction counts six times.
-    close(sampled.rms_voltage_v, smooth.rms_voltage_v.expect("a number"), 1e-2);
-    let amplitude = particular(&smooth).amplitude_m.expect("a number");
-    close(particular(&sampled).amplitude_m, amplitude, 5e-3);
-    assert_eq!(particular(&sampled).sticks_per_period, None);
-    assert!(sampled.energy_residual.expect("a number") < 1e-9);
+fn the_ledgers_close_with_a_storage() {
+    for force_law in [ForceLaw::TransferredCharge, ForceLaw::GapField] {
+        for lateral_force in [false, true] {
+            let draws = draws(Lockout { turn_on_v: 0.28, turn_off_v: 0.25 });
+            for (index, draw) in draws.into_iter().enumerate() {
+                let stick_charge = if index % 2 == 0 { StickCharge::Frozen } else { StickCharge::Relaxing };
+                let parameters =
+                    SlidingParameters { lateral_force, stick_charge, ..table_1(30e-6, force_law) };
+                let scene = shaken(parameters, 0.0, 0.4, 12.0, [1.0, 5.0]);
+                ledgers_close_with_storage(scene, [0.3, 0.05], draw);
+            }
+        }
+    }
 }

@@ -14,29 +14,9 @@ fn threshold() -> f64 {
     0.35 * 8e-3 * GRAVITY / (beam.participation * beam.modal_mass)
 }
 
-/// From rest below the threshold the slider sticks for ever; just above it moves.
-#[test]
-fn friction_holds_up_to_its_threshold() {
-    close(Some(threshold()), 2.5088, 2e-5);
-    for (excess, moves) in [(-1e-9, false), (1e-9, true), (1e-3, true)] {
-        let parameters = table_1(80e-6, ForceLaw::TransferredCharge);
-        let gravities = threshold() * (1.0 + excess) / GRAVITY;
-        let outcome = run(&shaken(parameters, 1e8, gravities, 18.0, [0.0, 2.0]));
-        let found = particular(&outcome);
-        assert_eq!((outcome.events > 0, found.amplitude_m > Some(0.0)), (moves, moves), "{excess}");
-        assert_eq!(found.stick_fraction == Some(1.0), !moves, "{excess}");
-        assert_eq!(found.sticks_per_period > Some(0.0), moves);
-        if !moves {
-            // Nothing moves and nothing is stored.
-            assert_eq!((outcome.energy_residual, outcome.steps), (None, 0));
-            assert_eq!((outcome.rms_voltage_v, found.peak_displacement_m), (Some(0.0), Some(0.0)));
-        }
-    }
-}
-
 fn release(
     parameters: &SlidingParameters,
-    start: &SlidingStart,
+    start: &TriboelectricStart,
     excitation: &Excitation,
     span: f64,
 ) -> Option<f64> {
@@ -52,10 +32,10 @@ fn a_sticking_slider_is_released_at_its_closed_form_time() {
     let beam = Cantilever::new(&parameters);
     let charge = 1.5e-9;
     for displacement in [1e-4, -1e-4] {
-        let start = SlidingStart {
-            displacement_m: Some(displacement),
+        let start = TriboelectricStart {
+            position_m: Some(displacement),
             charge_c: Some(charge),
-            ..SlidingStart::default()
+            ..TriboelectricStart::default()
         };
         let excitation = sine(0.4, 6.0);
         let away: f64 = displacement / 20e-3;
@@ -84,43 +64,8 @@ fn a_short_peak_of_the_push_releases() {
             phase_rad,
         };
         let excitation = Excitation::Sines(vec![tone(push - 2.0, 0.0, 0.5 * PI), tone(2.0, 7.0, 0.3)]);
-        let found = release(&parameters, &SlidingStart::default(), &excitation, 1.0 / 7.0);
+        let found = release(&parameters, &TriboelectricStart::default(), &excitation, 1.0 / 7.0);
         assert_eq!(found.is_some(), released, "{excess}");
-    }
-}
-
-/// A strong static friction off the middle.
-fn gripping(stick_charge: StickCharge) -> SlidingParameters {
-    SlidingParameters {
-        static_friction_active: 10.0,
-        static_friction_inert: 10.0,
-        stick_charge,
-        ..table_1(80e-6, ForceLaw::TransferredCharge)
-    }
-}
-
-/// A slider that does not move discharges through the load as `exp(−t / RC)`: all energy of the overlap
-/// arrives. With frozen charge nothing does.
-#[test]
-fn a_sticking_slider_discharges_into_the_load_unless_its_charge_is_frozen() {
-    let start = SlidingStart { displacement_m: Some(5e-3), charge_c: Some(0.0), ..Default::default() };
-    let outcome =
-        |stick_charge| run(&scene(gripping(stick_charge), start, 1e8, Excitation::Silence, [0.0, 1.0]));
-    let root = (1.0 - 0.0625f64).sqrt();
-    let active = 2.0 / PI * (0.25f64.acos() - 0.25 * root);
-    let capacitance = VACUUM_PERMITTIVITY * 2.0 * PI * 1e-4 * active / 0.05e-3;
-    let voltage = 80e-6 * PI * 1e-4 * (1.0 - active) / capacitance;
-    let relaxing = outcome(StickCharge::Relaxing);
-    close(relaxing.peak_voltage_v, voltage, 1e-12);
-    close(relaxing.delivered_energy_j, 0.5 * capacitance * voltage * voltage, 1e-11);
-    close(relaxing.mean_voltage_v, voltage * 1e8 * capacitance, 1e-11);
-    assert!(relaxing.energy_residual.expect("a number") < 1e-13);
-    let frozen = outcome(StickCharge::Frozen);
-    assert_eq!((frozen.peak_voltage_v, frozen.delivered_energy_j), (Some(0.0), Some(0.0)));
-    for outcome in [relaxing, frozen] {
-        let found = particular(&outcome);
-        assert_eq!((found.stick_fraction, found.sticks_per_period), (Some(1.0), None));
-        assert_eq!((found.peak_displacement_m, found.amplitude_m), (Some(5e-3), Some(0.0)));
     }
 }
 
@@ -134,7 +79,7 @@ fn a_relaxing_charge_lets_go() {
         stick_charge: StickCharge::Relaxing,
         ..table_1(80e-6, ForceLaw::TransferredCharge)
     };
-    let start = SlidingStart { displacement_m: Some(1e-3), charge_c: Some(4e-8), ..Default::default() };
+    let start = TriboelectricStart { position_m: Some(1e-3), charge_c: Some(4e-8), ..Default::default() };
     let beam = Cantilever::new(&parameters);
     let root = (1.0 - 0.0025f64).sqrt();
     let active = 2.0 / PI * (0.05f64.acos() - 0.05 * root);
@@ -169,7 +114,7 @@ fn it_starts_without_friction_in_the_middle() {
 fn a_slider_let_go_is_pulled_by_its_spring() {
     let parameters = table_1(0.0, ForceLaw::TransferredCharge);
     for displacement in [3e-3, -3e-3] {
-        let start = SlidingStart { displacement_m: Some(displacement), ..Default::default() };
+        let start = TriboelectricStart { position_m: Some(displacement), ..Default::default() };
         let (physics, motion) = Physics::new(&parameters, Load::Resistor { resistance_ohm: 1e8 }, &start);
         assert_eq!(motion.branch.side, displacement.signum());
         // The static friction is too small.

@@ -38,7 +38,6 @@ pub struct Cantilever {
 
 impl SlidingParameters {
     /// Natural frequency in Hz of the first bending mode with the slider, undamped and without friction.
-    #[must_use]
     pub fn natural_frequency_hz(&self) -> f64 {
         Cantilever::new(self).angular_frequency / TAU
     }

@@ -1,7 +1,7 @@
-//! Published eigenvalues, closed sums over all modes, and the modes of a published unimorph.
+//! Published eigenvalues, and closed sums over all modes. That the modes are those of the core, whose tests have their other
+//! identities, is in the tests across crates.
 
 use super::*;
-use crate::scene_file::TipMassParameters;
 use crate::test_support::{bump_stop, close};
 
 /// The beam of the shipped scene.
@@ -71,31 +71,6 @@ fn shapes_at_mid_span() {
     }
     close(modes.beam_residual, 4.0451e-9, 2e-5);
     close((modes.beam_residual + modes.rod_residual).recip(), 1.8210e8, 5e-5);
-}
-
-/// The form without overflow is the textbook's where that can be computed, and orthonormal where not.
-#[test]
-fn shapes_are_the_textbooks_and_orthonormal() {
-    for index in 0..4 {
-        let eigenvalue = eigenvalue(index);
-        let ratio = shape_ratio(eigenvalue);
-        for place in [0.0, 0.1, 0.37, 0.5, 0.82, 1.0] {
-            let u = eigenvalue * place;
-            let textbook = u.cosh() - u.cos() - ratio * (u.sinh() - u.sin());
-            assert!((shape(eigenvalue, place) - textbook).abs() < 1e-9, "{index} {place}");
-        }
-    }
-    // Simpson's rule on 4000 pieces.
-    let mean = |f: &dyn Fn(f64) -> f64| {
-        let weight = |k: u32| if k == 0 || k == 4000 { 1.0 } else { f64::from(2 + 2 * (k % 2)) };
-        (0..=4000).map(|k| weight(k) * f(f64::from(k) / 4000.0)).sum::<f64>() / 12_000.0
-    };
-    for (one, other) in [(0, 0), (0, 1), (4, 4), (9, 9), (9, 8), (19, 19), (19, 17)] {
-        let (first, second) = (eigenvalue(one), eigenvalue(other));
-        let found = mean(&|place| shape(first, place) * shape(second, place));
-        let expected = if one == other { 1.0 } else { 0.0 };
-        assert!((found - expected).abs() < 1e-6, "{one} {other}: {found}");
-    }
 }
 
 /// Sums over all modes are static solutions of the beam: the kept ones, and the rest with the asymptotic
@@ -168,116 +143,4 @@ fn all_modes_together_give_the_static_beam() {
         })
         .sum();
     close(modes.rod_residual, left, 2e-4);
-}
-
-#[test]
-fn compliance_of_the_modes_left_out() {
-    for (beam, rod, beam_residual, rod_residual, stiffness) in [
-        (3, 0, 6.703e-7, 7.143e-8, 1.348e6),
-        (4, 0, 2.891e-7, 7.143e-8, 2.774e6),
-        (4, 1, 2.891e-7, 1.353e-8, 3.305e6),
-        (6, 1, 8.707e-8, 1.353e-8, 9.940e6),
-        (6, 2, 8.707e-8, 7.098e-9, 1.0619e7),
-        (8, 3, 3.695e-8, 4.782e-9, 2.396e7),
-        (10, 3, 1.897e-8, 4.782e-9, 4.210e7),
-        (10, 10, 1.8972e-8, 1.4462e-9, 4.8976e7),
-    ] {
-        let modes = BumpStopModes::new(&parameters(beam), Some(&stop(rod)));
-        close(modes.beam_residual, beam_residual, 2e-4);
-        close(modes.rod_residual, rod_residual, 1e-4);
-        close((modes.beam_residual + modes.rod_residual).recip(), stiffness, 3e-4);
-    }
-}
-
-/// Erturk and Inman, J. Vib. Acoust. 130 (2008): 47.8 and 299.6 Hz short-circuit, 48.8 and 301.5 Hz open.
-#[test]
-fn the_published_unimorph() {
-    let unimorph = BumpStopParameters {
-        beam_length_m: 100e-3,
-        beam_width_m: 20e-3,
-        substrate_thickness_m: 0.5e-3,
-        substrate_young_modulus_pa: 100e9,
-        substrate_density_kg_per_m3: 7165.0,
-        piezo_thickness_m: 0.4e-3,
-        ..parameters(10)
-    };
-    let modes = BumpStopModes::new(&unimorph, None);
-    close(modes.capacitance, 79.65e-9, 1e-12);
-    close(modes.bending_stiffness, 0.097_847, 1e-5);
-    // With the load open, v = Σθr/C: the stiffness rises by θθᵀ/C.
-    let size = modes.beam.len();
-    let stiffness = nalgebra::DMatrix::from_fn(size, size, |row, column| {
-        let (one, other) = (&modes.beam[row], &modes.beam[column]);
-        let own = if row == column { one.angular_frequency.powi(2) } else { 0.0 };
-        own + one.coupling * other.coupling / modes.capacitance
-    });
-    let mut open: Vec<f64> =
-        stiffness.symmetric_eigenvalues().iter().map(|square| square.sqrt() / TAU).collect();
-    open.sort_by(f64::total_cmp);
-    let [short, _] = modes.natural_frequencies_hz();
-    for (found, published) in [(short[0], 47.8), (short[1], 299.6), (open[0], 48.8), (open[1], 301.5)] {
-        assert!((found - published).abs() < 0.1, "{found} {published}");
-    }
-    for (found, expected) in [(short[0], 47.809), (short[1], 299.615), (short[2], 838.931)] {
-        close(found, expected, 2e-5);
-    }
-}
-
-/// The beam of the shipped scene with a body of so many beam masses, a radius of gyration and an offset in lengths.
-fn with_body(beam_modes: usize, [mass, gyration, offset]: [f64; 3]) -> BumpStopParameters {
-    let free = parameters(beam_modes);
-    let (length, mass) = (free.beam_length_m, mass * 3.9125e-3);
-    let body = TipMassParameters {
-        mass_kg: mass,
-        rotary_inertia_kg_m2: mass * (gyration * length).powi(2),
-        offset_m: offset * length,
-    };
-    BumpStopParameters { tip_mass: Some(body), ..free }
-}
-
-/// `λ²` of a point mass of the beam's mass: Math. Probl. Eng. (2017) 1568019, table 1, without rotary inertia.
-#[test]
-fn a_tip_mass_has_its_published_eigenvalues() {
-    let modes = BumpStopModes::new(&with_body(5, [1.0, 0.0, 0.0]), None);
-    for (mode, square) in modes.beam.iter().zip([1.557_298, 16.250_09, 50.895_84, 105.198_3, 179.232_0]) {
-        close(mode.eigenvalue.powi(2), square, 4e-7);
-    }
-    // Without mass it is the free end, in every number.
-    let (none, free) = (with_body(20, [0.0; 3]), parameters(20));
-    let middle = StopParameters { position_m: 20e-3, ..stop(2) };
-    let [none, free] = [none, free].map(|from| BumpStopModes::new(&from, Some(&middle)));
-    for (found, mode) in none.beam.iter().zip(&free.beam) {
-        close(found.angular_frequency, mode.angular_frequency, 1e-12);
-        close(found.participation, mode.participation, 1e-10);
-        close(found.coupling, mode.coupling, 1e-10);
-        close(found.clamp_curvature, mode.clamp_curvature, 1e-10);
-        close(found.at_tip, mode.at_tip, 1e-10);
-        assert!((found.at_stop - mode.at_stop).abs() < 1e-10 * mode.at_tip.abs());
-    }
-}
-
-/// Of all modes together mass, static deflection and static curvature are known; of twenty nearly all is there.
-#[test]
-fn the_modes_with_a_tip_mass_make_the_static_beam() {
-    for shape in [[0.01, 0.1, 0.1], [1.0, 0.0, 0.0], [2.0, 0.05, 0.08], [10.0, 0.3, 0.4], [300.0, 0.1, 0.2]] {
-        let from = with_body(20, shape);
-        let modes = BumpStopModes::new(&from, Some(&stop(2)));
-        assert_eq!(modes.beam.len(), 20);
-        let (length, rigidity) = (from.beam_length_m, modes.bending_stiffness);
-        let body = from.tip_mass.expect("there is a body");
-        let sum = |of: &dyn Fn(&BeamMode) -> f64| modes.beam.iter().map(of).sum::<f64>();
-        let square = |mode: &BeamMode| mode.angular_frequency.powi(2);
-        let whole = modes.beam_mass + body.mass_kg;
-        let mass = sum(&|mode| mode.participation.powi(2));
-        assert!(mass < whole * (1.0 + 1e-12) && mass > 0.97 * whole, "{shape:?} {}", mass / whole);
-        let cube = length.powi(3) / rigidity;
-        close(sum(&|mode| mode.at_tip.powi(2) / square(mode)), cube / 3.0, 1e-4);
-        let arm = length / 3.0 + 0.5 * body.offset_m;
-        let weight = modes.beam_mass * cube / 8.0 + body.mass_kg * length.powi(2) * arm / rigidity;
-        close(sum(&|mode| mode.at_tip * mode.participation / square(mode)), weight, 1e-6);
-        let moment = 0.5 * modes.beam_mass * length + body.mass_kg * (length + body.offset_m);
-        let bent = sum(&|mode| mode.clamp_curvature * mode.participation / square(mode));
-        close(bent, moment / rigidity, 1e-3);
-        close(bent + modes.clamp_residual[1], moment / rigidity, 1e-12);
-    }
 }

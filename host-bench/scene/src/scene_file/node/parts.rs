@@ -35,7 +35,6 @@ pub(super) static BURST: Table = Table::of(&[
 /// `[node.voltage_reading]`.
 pub(super) static READING: Table = Table::of(&[EVERY]);
 
-/// The named parts of a node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Parts {
     /// With an accelerometer in any case; a scene without one has no burst.
@@ -44,7 +43,6 @@ pub(super) struct Parts {
     radio: Option<Radio>,
 }
 
-/// The words of the clocks.
 fn clocks() -> Vec<&'static str> {
     [vec!["own"], Clock::words()].concat()
 }
@@ -124,7 +122,6 @@ impl Parts {
         })
     }
 
-    /// Reads `[node.voltage_reading]`.
     pub(super) fn voltage_reading(&self, table: &mut Section<'_>) -> Result<EstimationCost, SceneError> {
         let start = self.model.start_energy();
         let cost = Cost { computing: 0.0, sensor: 0.0, transfer: 0.0, wake_up: start, waiting: 0.0 };

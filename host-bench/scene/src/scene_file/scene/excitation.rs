@@ -25,7 +25,6 @@ pub enum Excitation {
 
 impl Excitation {
     /// Frequency in Hz if the excitation is one sine that is not constant.
-    #[must_use]
     pub fn single_frequency(&self) -> Option<f64> {
         match self {
             Self::Sine(tone) if tone.frequency_hz > 0.0 => Some(tone.frequency_hz),
@@ -34,7 +33,6 @@ impl Excitation {
     }
 
     /// The highest frequency in Hz of its sines; 0 of samples and at rest.
-    #[must_use]
     pub fn highest_hz(&self) -> f64 {
         match self {
             Self::Sine(tone) => tone.frequency_hz,
@@ -47,7 +45,6 @@ impl Excitation {
     }
 
     /// The excitation with accelerations times `factor`.
-    #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let larger = |tone: &Tone| Tone { amplitude_m_per_s2: tone.amplitude_m_per_s2 * factor, ..*tone };
         match self {
@@ -69,19 +66,16 @@ impl Excitation {
     }
 
     /// The random acceleration, if it is one.
-    #[must_use]
     pub fn random(&self) -> Option<&Random> {
         if let Self::Random(random) = self { Some(random) } else { None }
     }
 
     /// Whether it is random or recorded: no period repeats.
-    #[must_use]
     pub fn is_irregular(&self) -> bool {
         matches!(self, Self::File(_) | Self::Random(_))
     }
 
     /// Whether it is recorded, and not given by a few numbers.
-    #[must_use]
     pub fn is_recorded(&self) -> bool {
         matches!(self, Self::File(_))
     }
@@ -143,7 +137,6 @@ pub enum BurstShape {
 
 impl Burst {
     /// Frequency of the sine in Hz.
-    #[must_use]
     pub fn frequency_hz(&self) -> f64 {
         match self.shape {
             BurstShape::HalfSine { duration_s } => 0.5 / duration_s,
@@ -152,7 +145,6 @@ impl Burst {
     }
 
     /// Length in s of one burst.
-    #[must_use]
     pub fn length_s(&self) -> f64 {
         match self.shape {
             BurstShape::HalfSine { duration_s } => duration_s,
@@ -211,14 +203,12 @@ impl Random {
     }
 
     /// Root mean square of the acceleration in m/s²: the root of the integral over the density.
-    #[must_use]
     pub fn rms_m_per_s2(&self) -> f64 {
         let density = SpectralDensity::new(&self.density);
         density.map_or(f64::NAN, |density| density.mean_square().sqrt())
     }
 
     /// Distance of the lines in Hz near a frequency in Hz; `None` outside the band.
-    #[must_use]
     pub fn spacing_hz(&self, frequency_hz: f64) -> Option<f64> {
         let ends = [self.density.first()?[0], self.density.last()?[0]];
         let drawn = drawn(&self.density, self.lines, self.seed).ok()?;

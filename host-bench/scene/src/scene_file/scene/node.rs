@@ -98,7 +98,6 @@ pub struct PartFigure {
 
 impl Storage {
     /// What holds its energy.
-    #[must_use]
     pub fn reservoir(&self) -> Reservoir {
         let Self { battery, capacitance_f, leakage_ohm, .. } = *self;
         Reservoir { capacitance_f, leakage_ohm, battery }
