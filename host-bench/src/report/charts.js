@@ -190,13 +190,17 @@ for (const [index, one] of charts.entries()) {
   // By the keyboard: arrows move along the abscissa, + and - zoom, Escape shows all, Enter on a name hides its curve.
   const moves = { ArrowLeft: [-0.25, 0.75], ArrowRight: [0.25, 1.25], "+": [0.25, 0.75], "-": [-0.5, 1.5] };
   chart.over.tabIndex = 0;
-  chart.over.addEventListener("keydown", ({ key }) => {
+  chart.over.addEventListener("keydown", (event) => {
+    const { key } = event;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (key === "Escape") chart.setData(chart.data);
     if (!(key in moves)) return;
+    event.preventDefault();
     const [min, max] = moves[key].map((part) => chart.posToVal(part * chart.over.clientWidth, "x"));
     chart.setScale("x", { min, max });
   });
-  for (const name of place.querySelectorAll(".u-series th")) {
+  // A live legend has a row for the abscissa, which hides nothing.
+  for (const name of [...place.querySelectorAll(".u-series th")].slice(sameX ? 1 : 0)) {
     name.tabIndex = 0;
     name.addEventListener("keydown", ({ key }) => key === "Enter" && name.click());
   }

@@ -36,7 +36,7 @@ const SCRIPT: &str = include_str!("charts.js");
 
 /// What a reader can do, as a paragraph.
 const HINT: &str = "<p class=\"screen\">Drag over a chart to zoom, double-click for all of it. The pointer shows the nearest point; \
-a click on a name hides its curve. By the keyboard: Tab, arrows, + and −, Escape, Enter.</p>\n";
+a click on a name hides its curve. By the keyboard: Tab chooses, arrows move, + and − zoom, Escape shows all, Enter on a name hides its curve.</p>\n";
 
 /// A page: its body as it grows, and its charts.
 #[derive(Debug)]

@@ -19,6 +19,8 @@ use crate::scene_file::{Scene, SceneError};
 
 /// Relative error up to which a run is right, in double and in single precision.
 pub(super) const RIGHT: [f64; 2] = [0.01, 0.02];
+/// Most differences of a twin that warns, over what it states.
+const TWIN: f64 = 2.0;
 
 /// What became of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
@@ -214,7 +216,8 @@ impl Judge {
     }
 
     /// The identity that a right run does not hold within `allowed`: the window split in two, or the scene in other units. A
-    /// motion that diverges from displaced starts holds none, nor do halves or a twin that warn, of a power that rounding takes.
+    /// motion that diverges from displaced starts holds none, nor do halves that warn, of a power that rounding
+    /// takes, nor a twin that warns of as much.
     fn broken_identity(
         &self,
         scene: &Scene,
@@ -223,17 +226,18 @@ impl Judge {
         allowed: f64,
     ) -> Option<String> {
         let energy_j = outcome.delivered_energy_j?;
-        let warns = |other: &Scene, options: &Options| {
-            run_as_it_is(other, options).is_ok_and(|other| is_warned(&other))
-        };
-        let is_counted =
-            |split: &f64| *split > allowed && !halves(scene).iter().any(|half| warns(half, options));
+        let warns = |half: &Scene| run_as_it_is(half, options).is_ok_and(|half| is_warned(&half));
+        let is_counted = |split: &f64| *split > allowed && !halves(scene).iter().any(warns);
         let split = split_error(scene, options, energy_j).filter(is_counted).unwrap_or(0.0);
         let options = Options { step_s: options.step_s.map(|step_s| 2.0 * step_s), ..*options };
         let apart = |twin: &Scene| {
             let power_w = run_scene(twin, &options).ok()?.mean_power_w?;
             let apart = relative(power_w / POWER, outcome.mean_power_w.unwrap_or(0.0));
-            (apart > allowed && !warns(twin, &options)).then_some(apart)
+            let is_stated = |twin: &Outcome| {
+                is_warned(twin) && twin.accuracy.total.is_none_or(|total| apart <= TWIN * total)
+            };
+            (apart > allowed && !run_as_it_is(twin, &options).is_ok_and(|twin| is_stated(&twin)))
+                .then_some(apart)
         };
         let units = self.twin.as_ref().and_then(apart).unwrap_or(0.0);
         let (error, identity) = if split > units {

@@ -3,7 +3,7 @@
 //! One mode, no stop, with the numbers of the baseline beam: `ω₁`, `γ₁ = 0.04897612 √kg`, `θ₁ = 0.04149795 C/(m
 //! √kg)`, `C_p = 15.93 nF`.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
 use crate::bridged::{advance, baseline, bus, close, measured, seconds, storage, vibration};
 use model_core::excitation::Sine;
@@ -160,6 +160,26 @@ fn with_a_tenth_of_the_coupling_the_voltage_is_that_of_a_harmonic_displacement()
             close(&format!("{hertz} Hz, {ohms} Ω, Shu and Lien"), volts, published, 5e-4);
         }
     }
+}
+
+/// `R = 1/(ω C_p)` and `P = ¼ ω C_p V_oc²`; a bus at half the open-circuit voltage gives `2/π` of that.
+#[test]
+fn the_best_resistor_and_the_best_bus_are_those_of_weak_coupling() {
+    let (omega, open) = (TAU * HERTZ, open_voltage());
+    let best = 1.0 / (omega * CAPACITANCE);
+    let power = |ohms| {
+        settled_power(
+            &one_mode(baseline(Resistive(AnyLoad { resistance: ohms })), AnyCoupling::OneWay),
+            HERTZ,
+        )
+    };
+    let resistive = power(best);
+    close("resistor", resistive, 0.25 * omega * CAPACITANCE * open * open, 1e-5);
+    assert!(power(0.9 * best) < resistive && power(1.1 * best) < resistive);
+    let rectified = |volts| settled_power(&one_mode(baseline(bus(volts, 0.0)), AnyCoupling::OneWay), HERTZ);
+    let bus = rectified(0.5 * open);
+    close("bus over resistor", bus / resistive, FRAC_2_PI, 2e-5);
+    assert!(rectified(0.45 * open) < bus && rectified(0.55 * open) < bus);
 }
 
 /// What damping leaves to be had: `P ≤ (γ₁ B)²/(16 ζ ω₁)`, whatever is at the terminals.

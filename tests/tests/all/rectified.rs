@@ -335,7 +335,7 @@ fn a_start_charge_is_shared_with_the_storage() {
         let excess = voltage.abs() - initial_v - 2.0 * diode_drop_v;
         let shared = excess * own * capacitance_f / (own + capacitance_f);
         let delivered = shared * (initial_v + 0.5 * shared / capacitance_f);
-        for options in [adaptive(1e-6), reference()] {
+        for (options, residual) in [(adaptive(1e-6), 1e-6), (reference(), 1e-9)] {
             let found = outcome(&scene, &options);
             let storage = found.store.expect("a storage");
             // The gap hardly moves within a tenth of a millisecond.
@@ -344,7 +344,7 @@ fn a_start_charge_is_shared_with_the_storage() {
             assert_close("gained", gained, value(found.delivered_energy_j), 1e-9);
             let lost = shared * (2.0 * diode_drop_v + 0.5 * excess);
             assert_close("lost in the diodes", value(storage.diode_loss_j), lost, 1e-3);
-            assert!(value(found.energy_residual) < 1e-6, "{:?}", found.energy_residual);
+            assert!(value(found.energy_residual) < residual, "{:?}", found.energy_residual);
         }
     }
 }

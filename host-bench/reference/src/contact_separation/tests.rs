@@ -1,4 +1,4 @@
-//! Spec values, closed-form limits, and what tightening the tolerance changes.
+//! Closed-form limits, and what tightening the tolerance changes.
 
 use crate::ReferenceOptions;
 use crate::test_support::{close, contact_separation, number};

@@ -28,6 +28,7 @@ pub(super) fn start(
     })
 }
 
+/// The keys of a harvester: its parameters, its start and the limits of its model.
 pub(super) const fn tables(
     parameters: &'static Table,
     initial: &'static Table,
