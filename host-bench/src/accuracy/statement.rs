@@ -32,6 +32,9 @@ const SHORTER: f64 = 2.0 / 3.0;
 const LONGEST: f64 = 0.5;
 /// Mean step in periods of the slowest oscillation above which its turns are missed.
 const QUARTER: f64 = 0.25;
+/// Step of a run to compare with, in periods of the slowest mode of a rod, above which impacts that follow each other in one are
+/// missed.
+const HALF: f64 = 0.5;
 /// Intervals of the smoother trace in one of the given trace.
 const FINER: usize = 4;
 /// Length of the window over which the sampling error is half as large, in windows.
@@ -68,6 +71,7 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     let between_steps = between.filter(|_| !is_lost && !is_coarse(scene, &double));
     let is_missed = beyond_threshold(scene, alike).is_some();
     let is_unresolved = !delivers(alike) && misses_turns(scene, alike);
+    let misses_impacts = finer.as_ref().is_some_and(|(options, _)| misses_impacts(scene, options, outcome));
     let rounding = exact.as_ref().and_then(|exact| difference(outcome, exact));
     let is_chaotic =
         !is_missed && !is_unresolved && chaotic(&mut runs, &double, alike, [between_steps, rounding]);
@@ -98,7 +102,7 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     if is_layered {
         accuracy.boundary_layers = accuracy.step;
     }
-    let is_unknown = is_missed || is_unresolved || single && accuracy.rounding.is_none();
+    let is_unknown = is_missed || is_unresolved || misses_impacts || single && accuracy.rounding.is_none();
     outcome.accuracy = if is_unknown { accuracy } else { accuracy.summed() };
 }
 
@@ -190,6 +194,17 @@ fn are_longest(scene: &Scene, outcome: &Outcome) -> bool {
 fn misses_turns(scene: &Scene, outcome: &Outcome) -> bool {
     natural_frequency_hz(scene, outcome)
         .is_some_and(|slowest_hz| slowest_hz * mean_step(scene, outcome) > QUARTER)
+}
+
+/// Whether a rod that is hit with a coefficient of restitution oscillates within the steps of a run to compare with: impacts that
+/// follow each other in a period of the rod are one at any such step, so that two of them agree.
+fn misses_impacts(scene: &Scene, finer: &Options, outcome: &Outcome) -> bool {
+    let stop = scene.bump_stop().ok().and_then(|model| model.stop.as_ref());
+    let has_impacts = has_own_steps(scene, finer) && stop.is_some_and(|stop| stop.restitution.is_some());
+    let step_s = finer.step_s.unwrap_or(DEFAULT_SHORT_STEP_S) * finer.refinement();
+    let hit = outcome.bump_stop().filter(|found| has_impacts && found.first_contact_s.is_some());
+    hit.and_then(|found| found.rod_natural_frequencies_hz.first())
+        .is_some_and(|slowest| slowest * step_s > HALF)
 }
 
 /// The mean step of a run in s.

@@ -30,7 +30,8 @@ pub(super) fn warning(outcome: &Outcome, asked: Option<f64>) -> Option<String> {
     let Some(total) = accuracy.total else {
         return Some(format!(
             "accuracy: the error of {quantity} is unknown: a run to compare with did not end or has the same steps, one \
-             of the two delivers nothing, or the mean step is longer than a quarter of a period"
+             of the two delivers nothing, the mean step is longer than a quarter of a period, or a rod that is hit with a \
+             restitution oscillates within a step"
         ));
     };
     let missed = asked.is_some_and(|asked| total > asked.max(LEAST));

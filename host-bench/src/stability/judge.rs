@@ -396,6 +396,25 @@ mod tests {
         }
     }
 
+    /// A rod of 2 MHz: its powers at 4 to 0.5 µs agree to 3·10⁻⁴ and are 8 % off.
+    #[test]
+    fn a_rod_that_oscillates_within_the_steps_is_warned_of() {
+        let of = |modulus: &str| {
+            let changes = [
+                "parameters.beam_modes=4",
+                "stop.rod_modes=1",
+                modulus,
+                "stop.contact=restitution",
+                "stop.restitution=0.5",
+                "run={duration_s=0.1,settle_s=0.02727272727272727}",
+            ];
+            judge(&Case::of("bump-stop", &changes, Precision::F64), Effort { by_reference: true, ..EFFORT })
+        };
+        let stiff = of("stop.young_modulus_pa=7e13");
+        assert!(stiff.is_warned && stiff.stated.is_none() && stiff.error > Some(0.05), "{stiff:?}");
+        assert!(of("stop.young_modulus_pa=7e12").stated.is_some());
+    }
+
     #[test]
     fn a_chaotic_motion_is_judged_by_as_many_runs_as_are_asked_for() {
         let case = shipped(&[]);
