@@ -37,6 +37,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::method::{Failure, Options};
 use crate::name::Name;
 use crate::outcome::Format;
+pub use crate::report::file::{set_width_mm, width_mm};
 use crate::scene_file::{Override, Scene, contains, replaces};
 use harvester_scene::progress;
 

@@ -10,7 +10,7 @@ use crate::attractors::elsewhere;
 use crate::method::{Failure, Options};
 use crate::outcome::name;
 use crate::report::chart::Chart;
-use crate::report::draw;
+use crate::report::file;
 use crate::report::page::{Page, escaped};
 use crate::report::setting::margin;
 use crate::run::run_scene;
@@ -50,7 +50,7 @@ impl Panel {
 
     /// The picture as SVG text.
     pub fn svg(&self) -> Result<String, Failure> {
-        draw(self.width, "", &self.charts, None).map_err(Failure::Input)
+        file::svg(self.width, "", &self.charts, None).map_err(Failure::Input)
     }
 }
 

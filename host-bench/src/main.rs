@@ -6,8 +6,8 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser};
 use host_bench::command::{
     attractors, be_quiet, budget, design, export, findings, fit, keys, map, needs, node_strategies,
-    on_target, optimise, plot, print, report, resonance, run, stability, stop, sweep, tolerance,
-    work_precision,
+    on_target, optimise, plot, print, report, resonance, run, set_width_mm, stability, stop, sweep,
+    tolerance, width_mm, work_precision,
 };
 use host_bench::method::Failure;
 
@@ -27,6 +27,9 @@ struct Arguments {
     /// Print errors and warnings only: no progress, no names of the files written
     #[arg(long, short, global = true)]
     quiet: bool,
+    /// Printed width of pictures in .svg (.pdf, .png): text of 7 pt, panels below each other where narrow, such as 85mm
+    #[arg(long, global = true, value_name = "LENGTH", value_parser = width_mm)]
+    width: Option<f64>,
 }
 
 #[derive(Debug, clap::Subcommand)]
@@ -173,6 +176,7 @@ fn main() -> ExitCode {
     if arguments.quiet {
         be_quiet();
     }
+    arguments.width.into_iter().for_each(set_width_mm);
     let done = match &arguments.command {
         None => work_precision::run_default(),
         Some(Command::Attractors(arguments)) => attractors::run(arguments),

@@ -13,6 +13,7 @@ use crate::method::{Failure, Math, Options, Precision};
 use crate::name::Name;
 use crate::report::Picture;
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
+use crate::report::file::columns;
 use crate::report::setting::{scaled, with_unit};
 use crate::report::svg::{BLACK, COLOURS, range};
 use crate::scene_file::{Excitation, Scene, Tone};
@@ -189,7 +190,7 @@ pub(crate) fn picture(wanted: &Wanted<'_>, series: &[Series]) -> Result<Picture,
     }
     charts.extend(has(View::Spectrum).then(|| lines(wanted, series)).flatten());
     charts.extend(has(View::Phase).then(|| phase(wanted, series)).flatten());
-    let figure = has(View::Energy).then(|| energy::flow(WIDTH, series, COLOURS)).flatten();
+    let figure = has(View::Energy).then(|| energy::flow(columns(WIDTH), series, COLOURS)).flatten();
     if charts.is_empty() && figure.is_none() {
         let reason = "the picture cannot be drawn: no run has what the views show";
         return Err(Failure::Input(reason.to_owned()));
@@ -309,7 +310,7 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     };
     if let Some(noise) = noise {
         let level = (factor * noise).max(floor);
-        let name = format!("noise of a line, by a tenth of the accuracy: {}", with_unit(noise, unit));
+        let name = format!("noise floor of a line: {}", with_unit(noise, unit));
         curves.push(Curve::new(name, BLACK, Mark::Dashes(1.2), ends.map(|frequency| (frequency, level))));
     }
     let top = 1.3 * factor * largest;

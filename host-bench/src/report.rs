@@ -2,12 +2,11 @@
 
 pub(crate) mod chart;
 mod draw;
+pub(crate) mod file;
 pub(crate) mod page;
 pub(crate) mod setting;
 pub(crate) mod svg;
 mod terminal;
-
-use std::path::Path;
 
 use plotters::style::RGBColor;
 
@@ -38,7 +37,7 @@ impl Picture {
         if self.charts.is_empty() && self.figure.is_none() {
             return Err(Failure::Input("the picture cannot be drawn: there is nothing to show".to_owned()));
         }
-        draw(self.width, &self.title, &self.charts, self.figure.as_ref())
+        file::svg(self.width, &self.title, &self.charts, self.figure.as_ref())
             .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))
     }
 
@@ -68,12 +67,6 @@ impl Picture {
             page.add(&format!("<pre>{}</pre>\n", escaped(&self.text)));
         }
         Ok(())
-    }
-
-    /// What goes into a file of this name: the page if it ends so, else the SVG.
-    pub(crate) fn of_file(&self, file: &Path) -> Result<String, Failure> {
-        let is_page = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html"));
-        if is_page { self.page() } else { self.svg() }
     }
 }
 

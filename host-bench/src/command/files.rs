@@ -10,6 +10,7 @@ use super::note;
 use crate::input::STANDARD;
 use crate::method::Failure;
 use crate::name::Name;
+use crate::report::file::{ENDINGS, OF_IMAGES};
 use crate::scene_file::{Override, files, shipped};
 
 /// The folder of reports, in that of the caller.
@@ -70,13 +71,13 @@ impl Outputs {
         claimed.map_err(|reason| refusal(option, file, &reason))
     }
 
-    /// As [`Outputs::check`], of pictures, whose names must end in `.svg` or `.html`.
+    /// As [`Outputs::check`], of pictures, whose names must end in one of [`ENDINGS`].
     pub(crate) fn check_picture<'p>(
         &self,
         option: &str,
         files: impl IntoIterator<Item = &'p PathBuf>,
     ) -> Result<(), Failure> {
-        files.into_iter().try_for_each(|file| self.check_ending(option, file, &["svg", "html"]))
+        files.into_iter().try_for_each(|file| self.check_ending(option, file, ENDINGS))
     }
 
     /// As [`Outputs::check`], of a page, whose name must end in `.html`.
@@ -87,10 +88,13 @@ impl Outputs {
     fn check_ending(&self, option: &str, file: &Path, endings: &[&str]) -> Result<(), Failure> {
         self.check(option, file)?;
         let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        if file == Path::new(STANDARD) || ending.is_some_and(|ending| endings.contains(&&*ending)) {
+        let is_one_of = |endings: &[&str]| ending.as_deref().is_some_and(|ending| endings.contains(&ending));
+        if file == Path::new(STANDARD) || is_one_of(endings) {
             return Ok(());
         }
-        Err(refusal(option, file, &format!("must end in .{}", endings.join(" or ."))))
+        let needs =
+            if is_one_of(&OF_IMAGES) { "; .pdf and .png need a build with --features images" } else { "" };
+        Err(refusal(option, file, &format!("must end in .{}{needs}", endings.join(" or ."))))
     }
 
     /// Refuses a folder that could not be made, or in which one of these files could not be written.

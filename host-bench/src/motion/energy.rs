@@ -14,7 +14,7 @@ const TOP: u32 = 40;
 /// Size of the text, as the drawing library counts it.
 const SIZE: u32 = 18;
 /// Left edge of the bars, and room at the right for the numbers.
-const LEFT: u32 = 280;
+const LEFT: u32 = 240;
 const RIGHT: u32 = 130;
 
 /// A run with its colour, and the names and energies of its parts.
@@ -42,7 +42,7 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
         known.iter().flat_map(|(.., parts)| parts).fold(0.0_f64, |most, (_, value)| most.max(value.abs()));
     let longest = known.iter().map(|(one, ..)| width_of(&one.name, SIZE)).max().filter(|_| known.len() > 1);
     let right = RIGHT + u32::try_from(longest.unwrap_or(0)).unwrap_or(0).min(width / 3);
-    let scale = if largest > 0.0 { f64::from(width - LEFT - right) / largest } else { 0.0 };
+    let scale = if largest > 0.0 { f64::from(width.saturating_sub(LEFT + right)) / largest } else { 0.0 };
     let mut text = format!(
         "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\" \
          font-family=\"{FONT}\" font-size=\"14.5\">\n<text x=\"{}\" y=\"20\" text-anchor=\"middle\">energy over the whole \

@@ -23,6 +23,8 @@ const SCALE: i32 = 130;
 /// Text; the library's size is 1.24 times what an SVG calls it.
 const TITLE: (&str, u32) = (FONT, 20);
 const TEXT: (&str, u32) = (FONT, 18);
+/// Width in pixels from which two charts of half of it stand beside each other.
+const LEAST_OF_HALVES: u32 = 700;
 /// Height of the title above all charts.
 const HEAD: u32 = 30;
 
@@ -33,6 +35,21 @@ fn title_of(title: &str, width: i32) -> (&'static str, u32) {
     (TITLE.0, fitting.next().unwrap_or(13))
 }
 
+/// The font of the title above all charts, and its lines, none wider than the picture if no word is.
+fn head_of(title: &str, width: i32) -> ((&'static str, u32), Vec<String>) {
+    let font = (FONT, title_of(title, width).1.max(TEXT.1));
+    let mut lines: Vec<String> = Vec::new();
+    for word in title.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if width_of(&format!("{line} {word}"), font.1) <= width => {
+                *line += &format!(" {word}")
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    (font, lines)
+}
+
 /// The charts as SVG text below a title: from left to right where two have half of the width, else one below the other.
 /// At the bottom stands a figure, if there is one, with its height.
 pub(crate) fn draw(
@@ -41,11 +58,12 @@ pub(crate) fn draw(
     charts: &[Chart],
     figure: Option<&(u32, String)>,
 ) -> Result<String, String> {
-    let head = if title.is_empty() { 0 } else { HEAD };
+    let (font, lines) = head_of(title, width.cast_signed());
+    let head = HEAD * lines.len() as u32;
     let (mut left, mut top, mut bottom) = (0, head, head);
     let mut places = Vec::new();
     for chart in charts.iter().filter(|chart| !chart.is_of_page) {
-        let wide = if chart.is_half { width / 2 } else { width };
+        let wide = if chart.is_half && width >= LEAST_OF_HALVES { width / 2 } else { width };
         if left + wide > width {
             (left, top) = (0, bottom);
         }
@@ -55,8 +73,8 @@ pub(crate) fn draw(
     let mut paths = String::new();
     let below = figure.map_or(0, |(height, _)| *height);
     let frame = svg((width, (bottom + below).max(1)), |area| {
-        if !title.is_empty() {
-            area.clone().shrink((0, 0), (width, HEAD)).titled(title, title_of(title, width.cast_signed()))?;
+        for (line, top) in lines.iter().zip((0..).step_by(HEAD as usize)) {
+            area.clone().shrink((0, top), (width, HEAD)).titled(line, font)?;
         }
         for (chart, place, size) in &places {
             axes(&area.clone().shrink(*place, *size), chart, &mut paths)?;

@@ -45,11 +45,50 @@ fn a_bad_plot_is_refused_before_it_runs() {
 }
 
 #[test]
-fn a_run_has_its_picture() {
+fn a_run_has_its_picture_in_a_printed_width() {
     let svg = place(&folder("picture"), "run.svg");
-    let outcome = json(&[&["run", PASSIVE, "--picture", &svg], &SHORT[..]].concat());
+    let outcome = json(&[&["run", PASSIVE, "--picture", &svg, "--width", "85mm"], &SHORT[..]].concat());
     assert!(outcome["accuracy"]["total"].is_number());
-    assert!(std::fs::read_to_string(&svg).expect("the picture").contains("phase portrait"));
+    let picture = std::fs::read_to_string(&svg).expect("the picture");
+    assert!(picture.contains("phase portrait"));
+    // 7 pt of 25.4/72 mm are 14.5 of the units of the view box, as the library writes the size of the text.
+    let units = 85.0 / (7.0 * 25.4 / 72.0 / 14.516);
+    assert!(picture.starts_with("<svg width=\"85mm\" height=\""), "{}", &picture[..80]);
+    assert!(
+        picture.contains(&format!("viewBox=\"0 0 {units:.0} ")) && picture.contains("font-size=\"14.516129")
+    );
+    let refused =
+        |text: &str| refused(&["run", PASSIVE, "--width", text], &["--width", text, "80mm to 420mm"]);
+    ["8mm", "85", "85px"].into_iter().for_each(refused);
+}
+
+#[test]
+#[cfg(not(feature = "images"))]
+fn a_pdf_needs_another_build() {
+    refused(
+        &["plot", PASSIVE, "--output", "motion.pdf"],
+        &["motion.pdf", ".svg or .html", "--features images"],
+    );
+}
+
+/// A PDF has its size in points of 1/72 inch, a PNG 300 pixels an inch.
+#[test]
+#[cfg(feature = "images")]
+fn a_pdf_and_a_png_have_the_printed_width() {
+    let folder = folder("images");
+    let [pdf, png] = ["motion.pdf", "motion.png"].map(|name| {
+        let file = place(&folder, name);
+        accepted(&[&["plot", PASSIVE, "--width", "85mm", "--output", &file], &SHORT[..]].concat());
+        std::fs::read(&file).expect("the picture")
+    });
+    let box_of_page =
+        String::from_utf8_lossy(&pdf).split_once("/MediaBox [0 0 ").map(|(_, rest)| rest.to_owned());
+    let wide: f64 = box_of_page.and_then(|rest| rest.split(' ').next()?.parse().ok()).expect("a page");
+    assert!((wide - 85.0 * 72.0 / 25.4).abs() < 0.1, "{wide}");
+    let wide = u32::from_be_bytes(png[16..20].try_into().expect("a header"));
+    assert_eq!(wide, (85.0_f64 / 25.4 * 300.0).floor() as u32);
+    // Text is drawn: more than the lines alone are black.
+    assert!(pdf.windows(5).any(|word| word == b"/Font"));
 }
 
 #[test]
