@@ -4,13 +4,16 @@
 mod cantilever;
 mod contact_separation;
 mod fmu;
+mod sliding;
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::method::Failure;
 use crate::name::Name;
-use crate::scene_file::{Excitation, KEYS, Load, Model, Override, Scene, Tone, key::Value, number_at};
+use crate::scene_file::{
+    Excitation, ForceLaw, KEYS, Load, Model, Override, Scene, Tone, key::Value, number_at, rows_of,
+};
 
 pub(crate) use self::fmu::fmu;
 
@@ -31,6 +34,18 @@ struct Parameter {
     meaning: String,
 }
 
+impl Parameter {
+    fn new(name: &str, value: f64, unit: &'static str, meaning: &str) -> Self {
+        Self { name: name.to_owned(), value, unit, meaning: meaning.to_owned() }
+    }
+
+    /// A key of `[parameters]`, with its unit and meaning.
+    fn of_key(key: &str, value: f64) -> Self {
+        let row = rows_of(key)[0];
+        Self::new(&key.trim_start_matches("parameters.").replace('.', "_"), value, row.unit, row.meaning)
+    }
+}
+
 /// What every subcircuit has of terminals and signs.
 const TERMINALS: &str = "p, n  electrical terminals. V(p,n) is the terminal voltage; positive, it drives a current out of p through the load.
 acc   base acceleration as a voltage against node 0, 1 V for 1 m/s^2. Connect a source or a recorded acceleration.
@@ -46,11 +61,7 @@ impl Netlist {
         match &scene.model {
             Model::BumpStop(model) => cantilever::netlist(scene, model),
             Model::ContactSeparation(model) => Ok(contact_separation::netlist(model)),
-            Model::Sliding(_) => Err(Failure::of_file(
-                scene,
-                "scene: is \"sliding\", must be \"contact-separation\" or \"bump-stop\" for --spice: a netlist has no dry \
-                 friction with sticking",
-            )),
+            Model::Sliding(model) => Ok(sliding::netlist(model)),
         }
     }
 
@@ -116,6 +127,15 @@ Bpower power 0 V=V(p)*V(p)/{ohm:e} ; W
             phase_rad.to_degrees(),
             self.options,
         ))
+    }
+}
+
+/// A force law in the notes, after its symbol.
+fn law_name(law: ForceLaw) -> &'static str {
+    match law {
+        ForceLaw::TransferredCharge => " of force_law = \"transferred-charge\"",
+        ForceLaw::GapField => " of force_law = \"gap-field\"",
+        ForceLaw::None => " = 0",
     }
 }
 

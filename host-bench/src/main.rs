@@ -46,7 +46,7 @@ enum Command {
     },
     /// Mean power of a beam without a trajectory, and whether that holds
     ClosedForm(run::ClosedFormArguments),
-    /// A scene as a netlist of SPICE: a cantilever without a stop, or contact-separation
+    /// A scene as a netlist of SPICE, all but a cantilever with a stop, or as an FMU
     #[command(after_help = "Run time: below a second")]
     Export(export::ExportArguments),
     /// Rebuild the figures of the two papers: sliding 3 to 6, contact-separation 8 to 11, bump-stop 6 to 11

@@ -31,7 +31,7 @@ pub(super) fn netlist(scene: &Scene, model: &BumpStop) -> Result<Netlist, Failur
     let two_way = if from.coupling == Coupling::TwoWay { 1.0 } else { 0.0 };
     let mut parameters = Vec::new();
     let mut add = |name: &str, value: f64, unit: &'static str, meaning: &str| {
-        parameters.push(Parameter { name: name.to_owned(), value, unit, meaning: meaning.to_owned() });
+        parameters.push(Parameter::new(name, value, unit, meaning));
     };
     add("damping_ratio", from.damping_ratio, "1", "damping ratio of every mode");
     add("capacitance_f", modes.capacitance, "F", "between the terminals at constant strain");

@@ -2,8 +2,8 @@
 
 use model_core::part::VACUUM_PERMITTIVITY;
 
-use super::{Netlist, Parameter};
-use crate::scene_file::{ContactSeparation, ForceLaw, Restitution, rows_of};
+use super::{Netlist, Parameter, law_name};
+use crate::scene_file::{ContactSeparation, ForceLaw, Restitution};
 
 /// Stiffness of the contact as a multiple of that of the spring: a contact lasts 1/20,000 of a natural period.
 const CONTACT_STIFFNESS: f64 = 1e8;
@@ -23,11 +23,7 @@ Left out: sticking as a state. A mass at rest in contact stays on the spring, an
 pub(super) fn netlist(model: &ContactSeparation) -> Netlist {
     let from = &model.parameters;
     let mut parameters = Vec::new();
-    let mut add = |key: &str, value: f64| {
-        let row = rows_of(key)[0];
-        let name = key.trim_start_matches("parameters.").replace('.', "_");
-        parameters.push(Parameter { name, value, unit: row.unit, meaning: row.meaning.to_owned() });
-    };
+    let mut add = |key: &str, value: f64| parameters.push(Parameter::of_key(key, value));
     for (name, value) in [
         ("mass_kg", from.mass_kg),
         ("stiffness_n_per_m", from.stiffness_n_per_m),
@@ -55,7 +51,7 @@ pub(super) fn netlist(model: &ContactSeparation) -> Netlist {
     };
     let (gap, velocity, charge) = start(model);
     let mut own = |name: &str, value: f64, unit: &'static str, meaning: &str| {
-        parameters.push(Parameter { name: name.to_owned(), value, unit, meaning: meaning.to_owned() });
+        parameters.push(Parameter::new(name, value, unit, meaning));
     };
     own("start_gap_m", gap, "m", "gap at the start");
     own("start_velocity_m_per_s", velocity, "m/s", "velocity at the start, opening positive");
@@ -81,14 +77,6 @@ fn start(model: &ContactSeparation) -> (f64, f64, f64) {
     let voltage =
         (charge * gap - transferred * (gap + thickness)) / (VACUUM_PERMITTIVITY * from.electrode_area_m2);
     (gap, initial.velocity_m_per_s.unwrap_or(0.0), transferred - from.parasitic_capacitance_f * voltage)
-}
-
-fn law_name(law: ForceLaw) -> &'static str {
-    match law {
-        ForceLaw::TransferredCharge => " of force_law = \"transferred-charge\"",
-        ForceLaw::GapField => " of force_law = \"gap-field\"",
-        ForceLaw::None => " = 0",
-    }
 }
 
 /// The elements, with a coefficient of restitution as an expression.

@@ -123,12 +123,50 @@ fn ngspice_has_the_mean_power_of_contact_separation() {
 }
 
 #[test]
+fn ngspice_has_the_mean_power_of_sliding() {
+    if !has_ngspice() {
+        return;
+    }
+    let periods = ["run.duration_periods=10", "run.settle_periods=6"];
+    let slide = ["excitation.frequency_hz=14", "excitation.amplitude_g=0.7"];
+    let slip = ["excitation.frequency_hz=10"];
+    let start = ["initial.displacement_m=-2e-3", "initial.velocity_m_per_s=0.1", "initial.charge_c=1e-8"];
+    let passive =
+        ["parameters.lateral_force=true", "parameters.force_law=gap-field", "load.resistance_ohm=1G"];
+    // Overrides, bound of the relative difference, least mean power in W, and the share of the time in stick.
+    let cases: [(&str, &[&str], f64, f64, f64); 5] = [
+        ("export-slide", &slide, 2e-3, 1e-7, 0.0),
+        ("export-slide-1k", &[&slide[..], &["load.resistance_ohm=1k"]].concat(), 2e-3, 1e-12, 0.0),
+        ("export-slide-passive", &[&slide[..], &passive, &start].concat(), 2e-3, 1e-8, 0.0),
+        ("export-slip", &slip, 5e-3, 1e-8, 0.19),
+        (
+            "export-slip-relaxing",
+            &[&slip[..], &start, &["parameters.stick_charge=relaxing", "load.resistance_ohm=1M"]].concat(),
+            5e-3,
+            1e-9,
+            0.19,
+        ),
+    ];
+    for (name, changes, bound, least, stick) in cases {
+        let overrides = [&periods[..], changes].concat();
+        let [by_ngspice, by_core] = both(name, SLIDING, &overrides);
+        let found = number(
+            &json(&[&["run", SLIDING, "--no-accuracy"][..], &set(&overrides)].concat()),
+            "stick_fraction",
+        );
+        assert!(by_core[0] > least && (found - stick).abs() < 0.01, "{name}: {by_core:?}, {found} in stick");
+        for (found, expected) in by_ngspice.iter().zip(by_core) {
+            assert!((found / expected - 1.0).abs() < bound, "{name}: {by_ngspice:?} {by_core:?}");
+        }
+    }
+}
+
+#[test]
 fn scenes_without_a_netlist_are_refused_and_nothing_is_written() {
     let folder = folder("export-refused");
     let [spice, deck, elsewhere] =
         ["harvester.cir", "test.cir", "elsewhere/test.cir"].map(|name| place(&folder, name));
     fs::create_dir(folder.join("elsewhere")).expect("a folder");
-    refused(&["export", SLIDING, "--spice", &spice], &["scene: is \"sliding\"", "bump-stop"]);
     refused(&["export", BUMP_STOP, "--spice", &spice], &["stop: must be absent"]);
     refused(&["export", BEAM, "--spice", &spice, "--deck", &elsewhere], &["--deck", "in the folder of"]);
     for (change, part) in [
