@@ -1,4 +1,5 @@
-//! A file to which a long command appends a row for each case that is done; an interrupted command goes on from them.
+//! A file to which a long command appends a row for each case that is done; an interrupted command goes on from them. Jobs of an
+//! array do a part of the cases each, and a last command merges their files.
 //!
 //! Each row ends with a checksum. The command has locked the file by [`Outputs::check`](super::files::Outputs::check).
 
@@ -6,10 +7,11 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 
 use super::files::{beside, place};
-use super::note;
+use super::{count, note};
 use crate::input;
 use crate::method::Failure;
 use crate::stability::fnv_1a;
@@ -18,6 +20,86 @@ use crate::stability::fnv_1a;
 const CHECKSUM: &str = ",checksum_fnv1a";
 /// Most bytes of a file of rows: a million rows of `sweep`, with their statements, have less.
 const MOST: u64 = 1 << 32;
+
+/// Which of its cases a command does.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+pub(super) struct Parts {
+    /// Do every N-th point alone, from the K-th on, and keep them in a file of their own in --output, for an array of N jobs
+    #[arg(long, value_name = "K/N", requires = "output", conflicts_with = "merge")]
+    part: Option<Part>,
+    /// Take the points that N parts have kept in --output; all must be there, of this build and of these arguments
+    #[arg(long, value_name = "N", requires = "output", value_parser = count::<usize>(1..=MOST_PARTS))]
+    merge: Option<usize>,
+}
+
+/// Most parts: a grid has no more points.
+const MOST_PARTS: u64 = 1_000_000;
+
+/// A part of the cases: its number from 1, and how many there are.
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    number: usize,
+    of: usize,
+}
+
+impl FromStr for Part {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers =
+            text.split_once('/').and_then(|(one, all)| Some((one.parse().ok()?, all.parse().ok()?)));
+        let part = numbers.map(|(number, of)| Self { number, of });
+        part.filter(|part| (1..=part.of).contains(&part.number) && part.of as u64 <= MOST_PARTS)
+            .ok_or_else(|| format!("must be K/N with K from 1 to N, and N at most {MOST_PARTS}"))
+    }
+}
+
+impl Part {
+    /// Whether it has the case of a number from 0. Cases of like cost are beside each other, and are spread over the parts.
+    fn has(self, number: usize) -> bool {
+        number % self.of == self.number - 1
+    }
+
+    /// Its file beside that of all rows.
+    fn file(self, path: &Path) -> PathBuf {
+        let own = path.extension().map_or_else(String::new, |own| format!(".{}", own.to_string_lossy()));
+        path.with_extension(format!("part-{}-of-{}{own}", self.number, self.of))
+    }
+}
+
+impl Parts {
+    /// Whether either option is given.
+    pub(super) fn are_given(self) -> bool {
+        self.is_one() || self.merge.is_some()
+    }
+
+    /// Whether the command does one part.
+    pub(super) fn is_one(self) -> bool {
+        self.part.is_some()
+    }
+
+    /// Whether the command does the case of a number from 0.
+    pub(super) fn has(self, number: usize) -> bool {
+        self.part.is_none_or(|part| part.has(number))
+    }
+
+    /// The first merged part that lacks one of so many cases, and why it is refused.
+    fn lacking(self, cases: usize, is_done: impl Fn(usize) -> bool) -> Option<(Part, String)> {
+        let of = self.merge?;
+        let number = 1 + (0..cases).find(|case| !is_done(*case))? % of;
+        let own = (0..cases).filter(|case| Part { number, of }.has(*case));
+        let (all, done) = (own.clone().count(), own.filter(|case| is_done(*case)).count());
+        let reason =
+            format!("must have all {all} points of part {number}/{of}, has {done}: give its command again");
+        Some((Part { number, of }, reason))
+    }
+
+    /// The file of rows of the command. Standard output is that of a part, too.
+    pub(super) fn file(self, path: &Path) -> PathBuf {
+        let part = self.part.filter(|_| path != Path::new(input::STANDARD));
+        part.map_or_else(|| path.to_owned(), |part| part.file(path))
+    }
+}
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Kind<'a> {
@@ -31,6 +113,26 @@ pub(super) struct Kind<'a> {
     pub(super) other: &'a str,
 }
 
+impl Kind<'_> {
+    /// The text of a file, empty where there is none; refuses one that is of another kind.
+    fn text(self, path: &Path, heading: &str) -> Result<String, Failure> {
+        let refuse = |reason: &str| refusal(self.option, path, reason);
+        let bytes = match input::read(path, MOST) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+            read => read.map_err(|error| refuse(&format!("cannot be read: {error}")))?,
+        };
+        let text = String::from_utf8_lossy(&bytes);
+        // A full disk may have left less than the heading.
+        if heading.starts_with(&*text) || text.starts_with(heading) {
+            return Ok(text.into_owned());
+        }
+        let first = text.lines().next().unwrap_or_default();
+        let is_earlier = first.starts_with(self.earlier) && !first.ends_with(CHECKSUM);
+        let reason = "has rows without checksums, of an earlier version: remove it, or give another";
+        Err(refuse(if is_earlier { reason } else { self.other }))
+    }
+}
+
 /// A file to which rows are appended.
 pub(super) struct Rows {
     option: String,
@@ -39,19 +141,23 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// Opens or makes the file. Returns its rows by number; `read` makes a row of its text. Standard output has none.
+    /// Opens or makes the file of these parts of so many cases. Returns its rows by number; `read` makes a row of its text. Standard
+    /// output has none.
     ///
-    /// A row that is torn or damaged is left out with a note, and the file is replaced by one without it.
+    /// A row that is torn or damaged is left out with a note, and the file is replaced by one without it. The files of merged parts
+    /// stay.
     ///
     /// # Errors
-    /// A file that is of another kind, that `check` refuses, or that cannot be read or written.
+    /// A file that is of another kind, that `check` refuses, or that cannot be read or written; a merged part that lacks a case.
     pub(super) fn open<T>(
         path: &Path,
+        (parts, cases): (Parts, usize),
         kind: Kind<'_>,
         read: impl Fn(&str) -> Option<(usize, T)>,
         check: impl Fn(&BTreeMap<usize, T>) -> Result<(), String>,
     ) -> Result<(Self, BTreeMap<usize, T>), Failure> {
-        let Kind { option, heading, earlier, other } = kind;
+        let path = &*parts.file(path);
+        let Kind { option, heading, .. } = kind;
         let refuse = |reason: String| refusal(option, path, &reason);
         let heading = format!("{heading}{CHECKSUM}\n");
         let to = |file: Box<dyn Write + Send>| Self {
@@ -60,40 +166,40 @@ impl Rows {
             file: Mutex::new(file),
         };
         if path == Path::new(input::STANDARD) {
+            if parts.merge.is_some() {
+                return Err(refuse("must be a file with --merge".to_owned()));
+            }
             let rows = to(Box::new(io::stdout()));
             return rows.write(&heading).map(|()| (rows, BTreeMap::new()));
         }
-        let bytes = match input::read(path, MOST) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-            read => read.map_err(|error| refuse(format!("cannot be read: {error}")))?,
-        };
-        let text = String::from_utf8_lossy(&bytes);
-        // A full disk may have left less than the heading.
-        let is_new = heading.starts_with(&*text);
-        if !is_new && !text.starts_with(&heading) {
-            let first = text.lines().next().unwrap_or_default();
-            let is_earlier = first.starts_with(earlier) && !first.ends_with(CHECKSUM);
-            let reason = "has rows without checksums, of an earlier version: remove it, or give another";
-            return Err(refuse(if is_earlier { reason } else { other }.to_owned()));
+        let mut texts = vec![(parts.part, kind.text(path, &heading)?)];
+        let is_new = texts[0].1.len() < heading.len();
+        if let Some(of) = parts.merge {
+            let each = (1..=of).map(|number| Part { number, of });
+            let text = |part: Part| kind.text(&part.file(path), &heading).map(|text| (Some(part), text));
+            texts = each.map(text).collect::<Result<_, _>>()?;
         }
-        let (mut known, mut whole, mut dropped) = (BTreeMap::new(), vec![heading.as_str()], 0);
-        for line in text.get(heading.len()..).unwrap_or_default().split_inclusive('\n') {
-            match checked(line).and_then(&read) {
-                Some((number, row)) if !known.contains_key(&number) => {
-                    known.insert(number, row);
-                    whole.push(line);
-                }
-                _ => dropped += 1,
-            }
-        }
+        let (known, whole, dropped) = taken_up(&texts, &heading, read);
         check(&known).map_err(refuse)?;
-        if dropped > 0 {
-            note(&format!("{}: {dropped} damaged rows are left out and are done again", path.display()));
+        if let Some((part, reason)) = parts.lacking(cases, |case| known.contains_key(&case)) {
+            return Err(refusal(option, &part.file(path), &reason));
         }
-        let opened = if is_new || dropped > 0 { replace(path, &whole.concat()) } else { Ok(()) };
+        if dropped > 0 {
+            note(&format!(
+                "{}: {dropped} rows that are damaged, or of another part, are left out",
+                path.display()
+            ));
+        }
+        let is_other = is_new || dropped > 0 || parts.merge.is_some();
+        let opened = if is_other { replace(path, &whole.concat()) } else { Ok(()) };
         let opened = opened.and_then(|()| OpenOptions::new().append(true).open(path));
         let file = opened.map_err(|error| refuse(format!("cannot be written: {error}")))?;
-        note(&format!("Ctrl-C keeps what is done, in {}; the same command goes on from it", path.display()));
+        if parts.merge.is_none() {
+            note(&format!(
+                "Ctrl-C keeps what is done, in {}; the same command goes on from it",
+                path.display()
+            ));
+        }
         Ok((to(Box::new(file)), known))
     }
 
@@ -113,6 +219,30 @@ impl Rows {
         // A file that stays is that of this command, and does no harm.
         let _ = fs::remove_file(&self.path);
     }
+}
+
+/// The whole rows of the files of parts by number, with the lines of the heading and of them, and how many others there are.
+fn taken_up<'t, T>(
+    texts: &'t [(Option<Part>, String)],
+    heading: &'t str,
+    read: impl Fn(&str) -> Option<(usize, T)>,
+) -> (BTreeMap<usize, T>, Vec<&'t str>, usize) {
+    let (mut known, mut whole, mut dropped) = (BTreeMap::new(), vec![heading], 0);
+    for (part, text) in texts {
+        for line in text.get(heading.len()..).unwrap_or_default().split_inclusive('\n') {
+            // A copy of another part's file has rows that are not of this one.
+            let is_new =
+                |number: &usize| part.is_none_or(|part| part.has(*number)) && !known.contains_key(number);
+            match checked(line).and_then(&read).filter(|(number, _)| is_new(number)) {
+                Some((number, row)) => {
+                    known.insert(number, row);
+                    whole.push(line);
+                }
+                None => dropped += 1,
+            }
+        }
+    }
+    (known, whole, dropped)
 }
 
 fn refusal(option: &str, path: &Path, reason: &str) -> Failure {
@@ -149,7 +279,7 @@ mod tests {
         let kind =
             Kind { option: "--output", heading: "number,cell", earlier: "number,", other: "is another" };
         let read = |row: &str| Some((row.split_once(',')?.0.parse().ok()?, ()));
-        let opened = Rows::open(path, kind, read, |_| Ok(()));
+        let opened = Rows::open(path, (Parts::default(), 0), kind, read, |_| Ok(()));
         opened.map(|(_, known)| known.into_keys().collect()).map_err(|error| error.to_string())
     }
 

@@ -8,7 +8,7 @@ use comfy_table::presets;
 use rayon::prelude::*;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::rows::{self, Rows};
+use super::rows::{self, Parts, Rows};
 use super::{SHIPPED_SCENES, count, json_text, note, one_more, print, progress};
 use crate::method::Failure;
 use crate::outcome::{Format, Outcome};
@@ -51,6 +51,8 @@ pub struct StabilityArguments {
     /// Append a row for each case to this file; a file with rows of this build is continued
     #[arg(long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    parts: Parts,
     /// Folder of the page with the maps of the grid, and of its cases as CSV [default: report/stability]
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
@@ -73,7 +75,11 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
         return run_days(arguments.scene, arguments.format);
     }
     let outputs = Outputs::of_shipped(SHIPPED_SCENES);
-    arguments.output.iter().try_for_each(|file| outputs.check(OUTPUT, file))?;
+    let (output, parts) = (arguments.output.as_deref(), arguments.parts);
+    output.iter().try_for_each(|file| outputs.check(OUTPUT, &parts.file(file)))?;
+    if parts.are_given() && arguments.random.is_none() {
+        return Err(Failure::Input("--part, --merge: must be with --random".to_owned()));
+    }
     let folder = arguments.report.clone().unwrap_or_else(|| report_folder().join("stability"));
     let has_page = arguments.random.is_none();
     if has_page {
@@ -86,9 +92,11 @@ pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
         return Err(Failure::Input(format!("--case {case}: must be below the {count} of --random")));
     }
     let cases = cases(arguments);
-    let is_asked = |number: usize| arguments.case.is_empty() || arguments.case.contains(&(number as u64));
+    let is_asked = |number: usize| {
+        parts.has(number) && (arguments.case.is_empty() || arguments.case.contains(&(number as u64)))
+    };
     let effort = |number| effort(arguments, number, &cases[number]);
-    let rows = judged(&cases, is_asked, effort, arguments.output.as_deref())?;
+    let rows = judged(&cases, is_asked, effort, (output, parts))?;
     let csv = || rows.iter().fold(Finding::heading(), |text, row| text + &row.csv());
     print(&match arguments.format {
         Format::Table if arguments.case.len() != 1 => summary(&rows),
@@ -165,10 +173,10 @@ fn judged(
     cases: &[Case],
     is_asked: impl Fn(usize) -> bool,
     effort: impl Fn(usize) -> Effort + Sync,
-    output: Option<&Path>,
+    (output, parts): (Option<&Path>, Parts),
 ) -> Result<Vec<Finding>, Failure> {
     let (file, done) = match output {
-        Some(path) => taken_up(path, cases).map(|(file, done)| (Some(file), done))?,
+        Some(path) => taken_up(path, parts, cases).map(|(file, done)| (Some(file), done))?,
         None => (None, BTreeMap::new()),
     };
     let is_left = |(number, _): &(usize, &Case)| is_asked(*number) && !done.contains_key(number);
@@ -195,7 +203,7 @@ fn judged(
 }
 
 /// The rows of a file that an earlier run began. A file that is not there is made, with its heading.
-fn taken_up(path: &Path, cases: &[Case]) -> Result<(Rows, BTreeMap<usize, Finding>), Failure> {
+fn taken_up(path: &Path, parts: Parts, cases: &[Case]) -> Result<(Rows, BTreeMap<usize, Finding>), Failure> {
     let heading = Finding::heading();
     let kind = rows::Kind {
         option: OUTPUT,
@@ -207,7 +215,7 @@ fn taken_up(path: &Path, cases: &[Case]) -> Result<(Rows, BTreeMap<usize, Findin
         let row = Finding::read(&format!("{heading}{line}\n")).ok()?.pop()?;
         Some((row.number, row))
     };
-    Rows::open(path, kind, read, |rows| {
+    Rows::open(path, (parts, cases.len()), kind, read, |rows| {
         let is_another =
             |row: &&Finding| cases.get(row.number).is_none_or(|case| case.arguments() != row.arguments);
         if let Some(row) = rows.values().find(|row| row.build != build()) {
@@ -238,19 +246,20 @@ mod tests {
     fn a_file_is_taken_up_without_a_line_that_is_not_whole() {
         let path = std::env::temp_dir().join(format!("judged-cases-{}.csv", std::process::id()));
         let _ = fs::remove_file(&path);
-        let all = judged(&cases(3), |_| true, |_| EFFORT, Some(&path)).expect("the file was made");
+        let output = (Some(&*path), Parts::default());
+        let all = judged(&cases(3), |_| true, |_| EFFORT, output).expect("the file was made");
         assert!(all.iter().map(|row| row.number).eq(0..4));
         // The order in the file is that in which the cases were judged.
         let text = fs::read_to_string(&path).expect("is there");
         let (whole, last) = text.trim_end().rsplit_once('\n').expect("has rows");
         let taken_up = |seed: u64| {
-            let rows = super::taken_up(&path, &cases(seed));
+            let rows = super::taken_up(&path, Parts::default(), &cases(seed));
             rows.map(|(_, rows)| rows.len()).map_err(|error| error.to_string())
         };
         fs::write(&path, format!("{whole}\n{}", &last[..5])).expect("is writable");
         assert_eq!(taken_up(3), Ok(3));
         assert_eq!(fs::read_to_string(&path).expect("is there"), format!("{whole}\n"));
-        assert_eq!(judged(&cases(3), |_| true, |_| EFFORT, Some(&path)), Ok(all));
+        assert_eq!(judged(&cases(3), |_| true, |_| EFFORT, output), Ok(all));
         assert!(taken_up(4).is_err_and(|error| error.contains("another case")));
         let of_another = |line: &str| {
             let row = line.rsplit_once(',').expect("a checksum").0.replace(build(), "0.0.9-unknown");

@@ -31,7 +31,7 @@ pub struct SweepArguments {
     #[arg(long = "over", value_name = "KEY=FROM:TO:COUNT[:log]", required = true)]
     axes: Vec<Axis>,
     /// Make the runs as well, and print on standard error how much longer they take
-    #[arg(long, requires = "steady_state")]
+    #[arg(long, requires = "steady_state", conflicts_with_all = ["part", "merge"])]
     compare: bool,
 }
 
@@ -41,7 +41,7 @@ pub struct SweepArguments {
 /// error; the other points are written and printed all the same.
 pub fn run(SweepArguments { points: arguments, axes, compare }: &SweepArguments) -> Result<(), Failure> {
     let points = points(arguments, axes, *compare)?;
-    let done = points.run(&[])?;
+    let Some(done) = points.run(&[])? else { return Ok(()) };
     let found = &done.points;
     print_notes(axes, &points, found);
     let picture = match arguments.output {
@@ -96,13 +96,13 @@ pub(super) fn check_axes(axes: &[Axis]) -> Result<usize, Failure> {
 /// The picture of a sweep, with its best point and its warnings as the text.
 pub(super) fn drawn(arguments: &PointArguments, axes: &[Axis]) -> Result<Picture, Failure> {
     let points = points(arguments, axes, false)?;
-    let found = points.run(&[])?.points;
+    let none = || Failure::Input("no point could be run to its end".to_owned());
+    let found = points.run(&[])?.ok_or_else(none)?.points;
     let best = best(&found);
     let doubt = best.and_then(|best| doubt(axes, &points, best)).into_iter();
     let warnings = warnings(&found).chain(doubt).map(|warning| format!("warning: {warning}"));
     let lines: Vec<String> =
         best.map(best_text).into_iter().chain(warnings).map(|line| folded(&line, 2)).collect();
-    let none = || Failure::Input("no point could be run to its end".to_owned());
     Ok(Picture { text: lines.join("\n"), ..picture_of(axes, &points, &found)?.ok_or_else(none)? })
 }
 

@@ -72,6 +72,7 @@ pub fn run(arguments: &ToleranceArguments) -> Result<(), Failure> {
         };
         points.end(done, Some(&picture), &text)
     })
+    .map(|_| ())
 }
 
 /// The picture of samples of some keys, with their statistics as the text.
@@ -90,16 +91,17 @@ pub(super) fn sampled(
         quantity: "mean_power_w".to_owned(),
         at_least: None,
     };
-    with_samples(&arguments, |_, _, found, picture| {
+    let found = with_samples(&arguments, |_, _, found, picture| {
         Ok(Picture { text: found.table(&Picture::default()).trim_end().to_owned(), ..picture })
-    })
+    });
+    Ok(found?.unwrap_or_default())
 }
 
-/// Runs the samples, and makes something of them with their picture.
+/// Runs the samples, and makes something of them with their picture; `None` of one part of them.
 fn with_samples<T>(
     arguments: &ToleranceArguments,
     make: impl FnOnce(&Points<'_>, Done, &Found<'_>, Picture) -> Result<T, Failure>,
-) -> Result<T, Failure> {
+) -> Result<Option<T>, Failure> {
     let ToleranceArguments { points: shared, varied, parts, correlations, samples, seed, quantity, .. } =
         arguments;
     if arguments.at_least.is_some_and(|least| !least.is_finite()) {
@@ -125,13 +127,13 @@ fn with_samples<T>(
         shared.options().check()?;
         check_quantity("--quantity", quantity, &points.numbers(0)?)?;
     }
-    let done = points.run(parts.as_slice())?;
+    let Some(done) = points.run(parts.as_slice())? else { return Ok(None) };
     let found = Found::new(arguments, &sampling, &done.points);
     print_warnings(&found.fields);
     let keys: Vec<&str> = sampling.keys.iter().map(|one| one.key.as_str()).collect();
     let title = points.title(&done.points, &keys)?;
     let picture = Picture { title, width: 900, charts: found.charts(), ..Picture::default() };
-    make(&points, done, &found, picture)
+    make(&points, done, &found, picture).map(Some)
 }
 
 struct Found<'a> {

@@ -2,8 +2,10 @@
 
 use serde_json::Value;
 
+use super::interrupted::{sorted_rows, text};
 use super::tool::{
-    BUMP_STOP, PASSIVE, RECTIFIED, SHIPPED, SLIDING, accepted, json, json_and_told, number, printed, refused,
+    BUMP_STOP, PASSIVE, RECTIFIED, SHIPPED, SLIDING, accepted, folder, json, json_and_told, number, printed,
+    refused,
 };
 
 /// The result of a run, and what was told on standard error.
@@ -32,21 +34,24 @@ fn one_random_case_has_the_row_that_it_has_among_all() {
 }
 
 #[test]
-fn rows_of_stability_on_standard_output_are_those_of_a_file() {
+fn rows_of_stability_on_standard_output_and_of_parts_are_those_of_a_file() {
     let random = ["stability", "--random", "5", "--seed", "407", "--output"];
-    let file = std::env::temp_dir().join(format!("stability-rows-{}.csv", std::process::id()));
-    accepted(&[&random[..], &[file.to_str().expect("text")]].concat());
+    let file = folder("stability-rows").join("rows.csv");
+    accepted(&[&random[..], &[text(&file)]].concat());
     let [found, told] = printed(&[&random[..], &["-"]].concat());
     assert!(told.contains("undecided"), "{told}");
-    // Each is written when it is judged.
-    let sorted = |text: &str| {
-        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        lines.sort();
-        lines
-    };
-    let written = std::fs::read_to_string(&file).expect("was written");
-    std::fs::remove_file(file).expect("is there");
-    assert!(found.starts_with("number,") && sorted(&found) == sorted(&written), "{found}");
+    let read = || sorted_rows(&std::fs::read_to_string(&file).expect("was written"));
+    let written = read();
+    assert!(found.starts_with("number,") && sorted_rows(&found) == written, "{found}");
+    let of = |option: &'static str| [&random[..], &[text(&file), option]].concat();
+    for part in ["--part=2/2", "--part=1/2"] {
+        refused(&of("--merge=2"), &["part-", "must have all "]);
+        accepted(&of(part));
+    }
+    std::fs::remove_file(&file).expect("is there");
+    accepted(&of("--merge=2"));
+    assert_eq!(read(), written);
+    refused(&["stability", "--merge=2", "--output=x.csv"], &["--merge", "must be with --random"]);
 }
 
 /// At these accuracies the first run of each of the first three has a statement above what is asked for.

@@ -4,16 +4,13 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use super::interrupted::text;
 use super::tool::{NODE, SHIPPED, accepted, file, folder, refused};
 
 /// A hundredth of a second of a scene.
 fn run<'a>(scene: &'a str, trace: &'a str) -> Vec<&'a str> {
     let short = ["--set", "run.duration_s=0.01", "--set", "run.settle_s=0"];
     [&["run", scene, "--trace", trace, "--trace-every", "1e-3"], &short[..]].concat()
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("a plain path")
 }
 
 fn names(folder: &Path) -> Vec<String> {

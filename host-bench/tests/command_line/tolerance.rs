@@ -131,7 +131,8 @@ fn samples_depend_on_seed_and_number_alone_and_an_interrupted_tolerance_goes_on(
     let vary = format!("{AMPLITUDE}=±10%");
     let run = |folder: &std::path::Path, samples: &str, threads: &str| {
         let path = folder.to_str().expect("a plain path");
-        let options = ["--vary", &vary, "--samples", samples, "--output", path, "--format", "json"];
+        let mut options = vec!["--vary", &vary, "--output", path, "--format", "json", "--samples"];
+        options.extend(samples.split(' '));
         let mut command = Command::new(env!("CARGO_BIN_EXE_host-bench"));
         command.args(tolerance(&options)).env("RAYON_NUM_THREADS", threads).stderr(Stdio::null());
         command
@@ -158,7 +159,12 @@ fn samples_depend_on_seed_and_number_alone_and_an_interrupted_tolerance_goes_on(
         );
     }
     assert!(rows(&resumed).is_empty(), "nothing is left of a whole one");
-    assert!(!printed(run(&short, "20", "2")).is_empty());
+    let expected = printed(run(&short, "20", "2"));
+    assert!(!expected.is_empty());
+    for part in ["20 --part 2/2", "20 --part 1/2"] {
+        assert!(printed(run(&short, part, "2")).is_empty());
+    }
+    assert_eq!(printed(run(&short, "20 --merge 2", "1")), expected);
     let [whole, resumed, short] = [&whole, &resumed, &short].map(|folder| {
         let text = read_to_string(folder.join("tolerance.csv")).expect("the samples");
         ["mean_power_w", AMPLITUDE].map(|name| column(&text, name))

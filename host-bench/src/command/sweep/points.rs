@@ -9,6 +9,7 @@ use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
 use crate::budget::day_numbers;
 use crate::command::files::{Outputs, make_folder};
+use crate::command::rows::Parts;
 use crate::command::{NODE, SceneArguments, StorageVoltage, check_keys, note, print, with_progress};
 use crate::input::{self, MOST_OF_DATA};
 use crate::method::{Failure, Options};
@@ -44,6 +45,8 @@ pub(in crate::command) struct PointArguments {
     /// Leave out the runs of each point from displaced starts; --no-accuracy leaves them out too
     #[arg(long)]
     single_start: bool,
+    #[command(flatten)]
+    parts: Parts,
 }
 
 impl PointArguments {
@@ -59,6 +62,7 @@ impl PointArguments {
             node,
             no_accuracy: true,
             single_start: true,
+            parts: Parts::default(),
         }
     }
 
@@ -83,6 +87,17 @@ pub(in crate::command) struct Points<'a> {
     pub(in crate::command) compare: bool,
 }
 
+impl Done {
+    /// The points, after their files were written; their rows wait no longer.
+    pub(in crate::command) fn ended(self) -> Result<Vec<Point>, Failure> {
+        self.outputs.ended()?;
+        if let Some(rows) = self.rows {
+            rows.remove();
+        }
+        Ok(self.points)
+    }
+}
+
 pub(in crate::command) struct Point {
     pub(in crate::command) values: Vec<(String, f64)>,
     pub(in crate::command) found: Result<Fields, String>,
@@ -99,9 +114,10 @@ pub(in crate::command) struct Done {
 
 impl Points<'_> {
     /// Runs all points. Bad input at any of them refuses the whole command before it begins; one that fails on its way has its
-    /// error in place of its outcome. The command reads these files beside the scene.
-    pub(in crate::command) fn run(&self, others: &[PathBuf]) -> Result<Done, Failure> {
-        let PointArguments { scene, output, storage_voltage, .. } = self.arguments;
+    /// error in place of its outcome. The command reads these files beside the scene. `None`: it does one part of the points, which
+    /// waits in its file.
+    pub(in crate::command) fn run(&self, others: &[PathBuf]) -> Result<Option<Done>, Failure> {
+        let PointArguments { scene, output, storage_voltage, parts, .. } = self.arguments;
         let options = self.arguments.options();
         options.check()?;
         storage_voltage.check(options.steady_state)?;
@@ -119,47 +135,58 @@ impl Points<'_> {
             Some(folder) => {
                 let files = self.files();
                 check_folder(folder, &files)?;
-                outputs.check_in("--output", folder, &files.each_ref().map(String::as_str))?;
+                // Other parts may be at work in this folder.
+                let tables = files.each_ref().map(String::as_str);
+                let tables = if parts.is_one() { &[] } else { &tables[..] };
+                outputs.check_in("--output", folder, tables)?;
                 make_folder(folder)?;
-                outputs.check("--output", &folder.join(file_of(self.command)))?;
-                Some(Rows::open(folder, self.command, &self.identity()?)?)
+                outputs.check("--output", &parts.file(&folder.join(file_of(self.command))))?;
+                Some(Rows::open(folder, self.command, &self.identity()?, (*parts, self.count))?)
             }
             None => None,
         };
+        let own: Vec<usize> = (0..self.count).filter(|index| parts.has(*index)).collect();
         if let Some(done) = rows.as_ref().map(Rows::count).filter(|done| *done > 0) {
-            note(&format!("{done} of {} points were done before", self.count));
+            note(&format!("{done} of {} points were done before", own.len()));
         }
-        let points = with_progress(self.count, |bar| {
+        let points = with_progress(own.len(), |bar| {
             let point = |index| {
                 let point = self.point(&options, index, rows.as_ref());
                 bar.inc(1);
                 point
             };
-            (0..self.count).into_par_iter().map(point).collect::<Result<Vec<Point>, Failure>>()
+            own.into_par_iter().map(point).collect::<Result<Vec<Point>, Failure>>()
         })?;
-        Ok(Done { points, outputs, rows })
+        if parts.is_one() {
+            let failed = points.iter().filter(|point| point.found.is_err()).count();
+            note(&format!("{} points of this part are done, {failed} of them failed", points.len()));
+            return Ok(None);
+        }
+        Ok(Some(Done { points, outputs, rows }))
     }
 
-    /// Writes the table of the points, and the picture if there is one, prints the result, and fails if a point did.
+    /// Writes the table of the points, and the picture if there is one.
+    pub(in crate::command) fn keep(&self, done: &Done, picture: Option<&Picture>) -> Result<(), Failure> {
+        let Some(folder) = &self.arguments.output else { return Ok(()) };
+        let [table, drawings @ ..] = self.files().map(|name| folder.join(name));
+        make_folder(folder)?;
+        done.outputs.keep(&table, csv(&done.points));
+        for (file, picture) in drawings.iter().zip(picture.iter().cycle()) {
+            done.outputs.keep(file, picture.of_file(file)?);
+        }
+        Ok(())
+    }
+
+    /// Writes the files, prints the result, and fails if a point did.
     pub(in crate::command) fn end(
         &self,
-        Done { points, outputs, rows }: Done,
+        done: Done,
         picture: Option<&Picture>,
         text: &str,
     ) -> Result<(), Failure> {
-        if let Some(folder) = &self.arguments.output {
-            let [table, drawings @ ..] = self.files().map(|name| folder.join(name));
-            make_folder(folder)?;
-            outputs.keep(&table, csv(&points));
-            for (file, picture) in drawings.iter().zip(picture.iter().cycle()) {
-                outputs.keep(file, picture.of_file(file)?);
-            }
-        }
+        self.keep(&done, picture)?;
         print(text)?;
-        outputs.ended()?;
-        if let Some(rows) = rows {
-            rows.remove();
-        }
+        let points = done.ended()?;
         let mut failed = points.iter().filter_map(|point| Some((point, point.found.as_ref().err()?)));
         let Some((point, error)) = failed.next() else { return Ok(()) };
         let (count, all, place) = (1 + failed.count(), points.len(), point.place());

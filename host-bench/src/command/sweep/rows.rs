@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::command::rows::{self, Kind};
+use crate::command::rows::{self, Kind, Parts};
 use crate::method::Failure;
 use crate::outcome::Fields;
 
@@ -23,7 +23,12 @@ pub(super) struct Rows {
 
 impl Rows {
     /// Opens the file in this folder, or makes it. `identity` says of which points it is; others are refused.
-    pub(super) fn open(folder: &Path, command: &str, identity: &str) -> Result<Self, Failure> {
+    pub(super) fn open(
+        folder: &Path,
+        command: &str,
+        identity: &str,
+        parts: (Parts, usize),
+    ) -> Result<Self, Failure> {
         let kind = Kind {
             option: "--output",
             heading: &json!({ command: identity }).to_string(),
@@ -32,7 +37,7 @@ impl Rows {
                 "has the points of another {command}, or of another build; remove it, or give another folder"
             ),
         };
-        let (file, known) = rows::Rows::open(&folder.join(file_of(command)), kind, point, |_| Ok(()))?;
+        let (file, known) = rows::Rows::open(&folder.join(file_of(command)), parts, kind, point, |_| Ok(()))?;
         Ok(Self { file, known })
     }
 
