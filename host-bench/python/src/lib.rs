@@ -16,9 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use host_bench::accuracy::run_with_accuracy;
-use host_bench::command;
-use host_bench::command::fit::FitArguments;
-use host_bench::command::optimise::OptimiseArguments;
+use host_bench::command::{budget, findings, fit, needs, optimise, plot, resonance, tolerance};
 use host_bench::method::{Failure, Options};
 use host_bench::outcome::{Format, Outcome, fields, number, text};
 use host_bench::run::run_scene;
@@ -30,7 +28,7 @@ use rayon::prelude::*;
 #[pymodule(name = "_native")]
 mod native {
     #[pymodule_export]
-    use super::{fit, look_up, optimise, response_map, run, sweep};
+    use super::{command, look_up, response_map, run, sweep};
 }
 
 /// The options of `run` and `sweep` as the command line has them.
@@ -170,32 +168,33 @@ fn sweep(
     })
 }
 
-/// The arguments of `fit` as the command line has them.
+/// The commands whose result is one JSON text, with their arguments as the command line has them.
 #[derive(clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
-struct Fit {
-    #[command(flatten)]
-    arguments: FitArguments,
+#[command(no_binary_name = true, disable_help_flag = true, disable_help_subcommand = true)]
+enum Command {
+    Budget(budget::BudgetArguments),
+    Fit(fit::FitArguments),
+    Needs(needs::NeedsArguments),
+    Optimise(optimise::OptimiseArguments),
+    Plot(plot::PlotArguments),
+    Resonance(resonance::ResonanceArguments),
+    Tolerance(tolerance::ToleranceArguments),
+    Validation(findings::ValidationArguments),
 }
 
-/// The arguments of `optimise` as the command line has them.
-#[derive(clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
-struct Optimise {
-    #[command(flatten)]
-    arguments: OptimiseArguments,
-}
-
-/// Fits parameters of a scene: the result of `fit --format json`.
+/// Runs a command, whose name is the first argument: the result of `--format json`.
 #[pyfunction]
-fn fit(py: Python<'_>, given: Vec<String>) -> PyResult<String> {
-    interruptible(py, move |_| command::fit::json(&parsed::<Fit>(&given)?.arguments))
-}
-
-/// Seeks the best values of a few keys: the result of `optimise --format json`.
-#[pyfunction]
-fn optimise(py: Python<'_>, given: Vec<String>) -> PyResult<String> {
-    interruptible(py, move |_| command::optimise::json(&parsed::<Optimise>(&given)?.arguments))
+fn command(py: Python<'_>, given: Vec<String>) -> PyResult<String> {
+    interruptible(py, move |_| match &parsed(&given)? {
+        Command::Budget(arguments) => budget::json(arguments),
+        Command::Fit(arguments) => fit::json(arguments),
+        Command::Needs(arguments) => needs::json(arguments),
+        Command::Optimise(arguments) => optimise::json(arguments),
+        Command::Plot(arguments) => plot::json(arguments),
+        Command::Resonance(arguments) => resonance::json(arguments),
+        Command::Tolerance(arguments) => tolerance::json(arguments),
+        Command::Validation(arguments) => findings::validation_json(arguments),
+    })
 }
 
 /// The words of a map as little-endian bytes, the fingerprint of its harvester, its agreement with the full model as JSON, its

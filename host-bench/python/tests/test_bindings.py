@@ -21,7 +21,23 @@ import vibration_harvester as vh
 
 ROOT = pathlib.Path(__file__).parents[3]
 SCENE = ROOT / "host-bench" / "scenes" / "contact-separation-passive.toml"
+SCENES = SCENE.parent
 SHORT = {"run.duration_s": 0.5, "run.settle_s": 0.1}
+BINARY = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "debug" / "host-bench"
+
+
+def command_line(*arguments):
+    """The JSON that the command line prints."""
+    command = [BINARY, *arguments, "--format", "json"]
+    return json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
+
+
+def without_times(found):
+    """A result without what differs from run to run."""
+    if isinstance(found, dict):
+        times = ("processor_s", "host_s_per_s", "host_spread")
+        return {name: without_times(value) for name, value in found.items() if name not in times}
+    return [without_times(value) for value in found] if isinstance(found, list) else found
 
 
 class Losing(concurrent.futures.Executor):
@@ -46,14 +62,114 @@ class Losing(concurrent.futures.Executor):
 
 class Bindings(unittest.TestCase):
     def test_a_run_is_that_of_the_command_line(self):
-        binary = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "debug" / "host-bench"
-        command = [binary, "run", SCENE, "--single-start", "--format", "json", "--tolerance", "1e-4"]
-        command += [f"--set={key}={value}" for key, value in SHORT.items()]
-        expected = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
+        changes = [f"--set={key}={value}" for key, value in SHORT.items()]
+        expected = command_line("run", SCENE, "--single-start", "--tolerance", "1e-4", *changes)
         found = vh.run(SCENE, changes=SHORT, tolerance=1e-4)
         self.assertEqual(found.keys(), expected.keys())
         for name in expected.keys() - {"processor_s"}:
             self.assertEqual(found[name], expected[name], name)
+
+    def test_each_command_has_the_result_of_the_command_line(self):
+        free, node = SCENES / "bump-stop-none.toml", SCENES / "node.toml"
+        one_mode = {"parameters.beam_modes": 1, "parameters.coupling": "one-way"}
+        modes = ["--set=parameters.beam_modes=1", "--set=parameters.coupling=one-way"]
+        short = ["--set=run={duration_s=0.5,settle_s=0.1}"]
+        run = {"run": {"duration_s": 0.5, "settle_s": 0.1}}
+        vary = ["--vary=parameters.mass_kg=±2%", "--vary=load.resistance_ohm=±1e6:normal", "--samples=8", "--no-accuracy"]
+        with tempfile.TemporaryDirectory() as folder:
+            before = pathlib.Path.cwd()
+            os.chdir(folder)
+            self.addCleanup(os.chdir, before)
+            found = [
+                (vh.budget(node, learning_days=0), ["budget", node, "--learning-days=0"]),
+                (
+                    vh.resonance(free, (220, 260), points=9, changes=one_mode),
+                    ["resonance", free, "--from=220", "--to=260", "--points=9", *modes],
+                ),
+                (
+                    vh.needs(SCENE, accuracy=0.05, amplitude=(1.9, 2), frequency=np.array([20.5, 20.6]), changes=run),
+                    ["needs", SCENE, "--accuracy=0.05", "--amplitude=1.9:2", "--frequency=20.5:20.6", *short],
+                ),
+                (
+                    vh.tolerance(
+                        SCENE,
+                        {"parameters.mass_kg": "±2%", "load.resistance_ohm": "±1e6:normal"},
+                        samples=8,
+                        no_accuracy=True,
+                        changes=run,
+                    ),
+                    ["tolerance", SCENE, *vary, *short],
+                ),
+                (vh.validation(), ["validation"]),
+            ]
+            self.assertEqual(list(pathlib.Path(folder).iterdir()), [], "no file is written that was not asked for")
+            for result, command in found:
+                self.assertEqual(without_times(result), without_times(command_line(*command)), command[0])
+            os.chdir(before)
+        # Of one mode without feedback the amplitude is largest at f sqrt(1 - 2 d²), with a damping ratio d of 0.01.
+        self.assertAlmostEqual(found[1][0]["peak_frequency_hz"], 239.7, delta=0.5)
+
+    def test_a_tolerance_takes_bounds_in_units_and_is_done_in_parts(self):
+        mass = 5e-3
+        options = {"samples": 6, "no_accuracy": True, "changes": SHORT}
+        whole = vh.tolerance(SCENE, {"parameters.mass_kg": 0.02 * mass}, **options)
+        relative = vh.tolerance(SCENE, {"parameters.mass_kg": "±2%"}, **options)
+        self.assertEqual(whole["statistics"], relative["statistics"])
+        keys = {"parameters.mass_kg": "±2%:normal", "parameters.damping_ratio": "±10%:normal"}
+        pair = {("parameters.mass_kg", "parameters.damping_ratio"): 0.9}
+        correlated = vh.tolerance(SCENE, keys, correlate=pair, **options)
+        self.assertNotEqual(correlated["statistics"], vh.tolerance(SCENE, keys, **options)["statistics"])
+        with tempfile.TemporaryDirectory() as folder:
+            there = {"output": folder, **options}
+            for part in ("2/2", "1/2"):
+                with self.assertRaisesRegex(ValueError, "part-[12]-of-2.jsonl: must have all"):
+                    vh.tolerance(SCENE, {"parameters.mass_kg": "±2%"}, merge=2, **there)
+                self.assertIsNone(vh.tolerance(SCENE, {"parameters.mass_kg": "±2%"}, part=part, **there))
+            self.assertEqual(vh.tolerance(SCENE, {"parameters.mass_kg": "±2%"}, merge=2, **there), relative)
+
+    def test_a_plot_is_a_picture_of_runs(self):
+        values = {"load.resistance_ohm": [1e6, 1e8]}
+        picture = vh.plot(SCENE, compare=values, view=["history", "phase"], span=(0.4, 0.5), changes=SHORT)
+        self.assertTrue(picture._repr_svg_().startswith("<svg"))
+        self.assertIn("resistance_ohm = 100000000.0", picture.svg)
+        self.assertIn("phase portrait", picture.svg)
+        self.assertNotIn("spectrum", picture.svg)
+        self.assertIn("total", picture.accuracy)
+        with tempfile.TemporaryDirectory() as folder:
+            for name, start in (("motion.svg", "<svg"), ("motion.html", "<!doctype html>")):
+                picture.save(pathlib.Path(folder) / name)
+                self.assertTrue((pathlib.Path(folder) / name).read_text(encoding="utf-8").startswith(start))
+            trace = pathlib.Path(folder) / "trace.csv"
+            run = [BINARY, "run", SCENE, "--set=run={duration_s=0.5,settle_s=0.1}", "--trace", trace, "--trace-every=1e-3"]
+            subprocess.run(run, capture_output=True, check=True)
+            self.assertIn("trace.csv", vh.plot(SCENE, traces=[trace], view="history", changes=SHORT).svg)
+        with self.assertRaisesRegex(ValueError, "colour.*--view"):
+            vh.plot(SCENE, view="colour")
+
+    def test_a_keyword_that_no_command_has_is_a_type_error(self):
+        for call in (
+            lambda **named: vh.budget(SCENE, **named),
+            lambda **named: vh.needs(SCENE, **named),
+            lambda **named: vh.plot(SCENE, **named),
+            lambda **named: vh.resonance(SCENE, (15, 25), **named),
+            lambda **named: vh.tolerance(SCENE, {"parameters.mass_kg": "±2%"}, **named),
+            lambda **named: vh.validation(**named),
+            lambda **named: vh.fit(SCENE, **named),
+            lambda **named: vh.optimise(SCENE, {"load.resistance_ohm": (1e6, 1e10)}, **named),
+        ):
+            for wrong in ("precison", "format", "help"):
+                with self.assertRaisesRegex(TypeError, wrong):
+                    call(**{wrong: "f32"})
+        for call, reason in (
+            (lambda: vh.budget(SCENE), r"\[node\]|node"),
+            (lambda: vh.needs(SCENE, accuracy=2), "--accuracy 2: must be a number from 1e-4 to 0.5"),
+            (lambda: vh.resonance(SCENE, (25, 15)), "--from 25: must be below --to 15"),
+            (lambda: vh.tolerance(SCENE), "--vary"),
+            (lambda: vh.tolerance(SCENE, {"parameters.mass_kg": -1}), "BOUND"),
+            (lambda: vh.validation(picture="figures.png"), "figures.png"),
+        ):
+            with self.assertRaisesRegex(ValueError, reason):
+                call()
 
     def test_a_trace_has_the_rms_voltage_of_the_run(self):
         found = vh.run(SCENE, changes=SHORT, trace_every=1e-4, states_accuracy=False)

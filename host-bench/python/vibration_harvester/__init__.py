@@ -42,7 +42,10 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
     from typing_extensions import Unpack
 
-__all__ = ["Map", "fit", "optimise", "records", "response_map", "run", "sweep"]
+__all__ = [
+    "Map", "Picture", "budget", "fit", "needs", "optimise", "plot", "records", "resonance", "response_map", "run", "sweep",
+    "tolerance", "validation",
+]
 __version__ = importlib.metadata.version("vibration-harvester")
 
 Source = Union[str, "os.PathLike[str]", Mapping[str, Any]]
@@ -88,6 +91,61 @@ class OptimiseOptions(Options, total=False):
     single_start: bool
     output: str | os.PathLike[str]
     picture: str | os.PathLike[str]
+
+
+class BudgetOptions(TypedDict, total=False):
+    """Options of the day of a node."""
+
+    exact: bool
+    learning_days: int
+    precision: str
+    tolerance: float
+    svg: str | os.PathLike[str]
+
+
+class NeedsOptions(TypedDict, total=False):
+    """Options of what a scene needs."""
+
+    accuracy: float
+    emit: str | os.PathLike[str]
+
+
+class PlotOptions(Options, total=False):
+    """Options of a picture."""
+
+    view: str | Sequence[str]
+    quantity: str | Sequence[str]
+    highest: float
+    """In Hz."""
+    log: str | Sequence[str]
+
+
+class ResonanceOptions(Options, total=False):
+    """Options of the search for resonances."""
+
+    points: int
+    short_open: bool
+    storage_voltage: float
+    """In V."""
+
+
+class ToleranceOptions(Options, total=False):
+    """Options of a tolerance."""
+
+    parts: str | os.PathLike[str]
+    samples: int
+    seed: int
+    quantity: str
+    at_least: float
+    steady_state: bool
+    storage_voltage: float
+    """In V."""
+    node: bool
+    no_accuracy: bool
+    single_start: bool
+    output: str | os.PathLike[str]
+    part: str
+    merge: int
 
 
 Rows = list[dict[str, Any]]
@@ -345,10 +403,8 @@ def fit(
     ``picture`` that for data, model and residuals. With ``output`` a fit that has not converged, or whose data do not determine
     all free keys, raises ``RuntimeError``, because the file is not written then.
     """
-    arguments = [*_given(changes), *_repeated("data", data), *_repeated("free", free), *_arguments(options, FitOptions)]
-    with _file(scene) as path:
-        found: dict[str, Any] = json.loads(_native.fit([path, *arguments]))
-    return found
+    arguments = [*_repeated("data", data), *_repeated("free", free), *_arguments(options, FitOptions)]
+    return _of_command("fit", scene, changes, arguments)
 
 
 @_with_old_names
@@ -366,11 +422,144 @@ def optimise(
     ``subject_to`` bounds such as ``"peak_gap_m<=0.004"``. Returns the object of ``optimise --format json``: ``value``,
     ``point``, ``range_within_1_percent`` and others.
     """
-    ranges = [f"{key}={':'.join(str(end) for end in ends)}" for key, ends in over.items()]
-    arguments = [*_given(changes), *_repeated("over", ranges), *_repeated("subject-to", subject_to)]
-    arguments += _arguments(options, OptimiseOptions)
+    ranges = [f"{key}={_range(ends)}" for key, ends in over.items()]
+    arguments = [*_repeated("over", ranges), *_repeated("subject-to", subject_to), *_arguments(options, OptimiseOptions)]
+    return _of_command("optimise", scene, changes, arguments)
+
+
+def budget(scene: Source, *, changes: Changes | None = None, **options: Unpack[BudgetOptions]) -> dict[str, Any]:
+    """Simulates a day of the node of a scene, whose table is ``[node]``.
+
+    Returns the object of ``budget --format json``: energies over the day in J (``harvested_energy_j``, ``income_j``,
+    ``leaked_j``), ``lowest_voltage_v``, ``lockouts``, ``capacitance_for_wishes_f`` in F, ``actions``, ``estimation`` and
+    ``figures`` as lists of dictionaries, and ``verdict``. ``exact`` takes every step of the harvester, ``learning_days`` come
+    before the day, ``svg`` is a file for the picture; without it nothing is written.
+    """
+    return _of_command("budget", scene, changes, _arguments(options, BudgetOptions))
+
+
+def resonance(
+    scene: Source,
+    frequency: Sequence[float],
+    *,
+    changes: Changes | None = None,
+    **options: Unpack[ResonanceOptions],
+) -> dict[str, Any]:
+    """Seeks the frequencies at which the periodic steady state of a scene has its largest amplitude, voltage and power.
+
+    ``frequency`` is the pair (lowest, highest) in Hz, ``points`` the number of frequencies of the first scan. Returns the object
+    of ``resonance --format json``: ``peak_frequency_hz``, ``peak_amplitude_m``, ``max_rms_voltage_frequency_hz``,
+    ``max_rms_voltage_v``, ``max_mean_power_frequency_hz``, ``max_mean_power_w`` and others, each with ``…_within_hz`` and whether
+    it is at an edge. With ``short_open`` those with short-circuited and with open terminals, and ``coupling_factor_squared``.
+    """
+    low, high = frequency
+    arguments = [f"--from={low}", f"--to={high}", *_arguments(options, ResonanceOptions)]
+    return _of_command("resonance", scene, changes, arguments)
+
+
+def needs(
+    scene: Source,
+    *,
+    amplitude: Sequence[float] | None = None,
+    frequency: Sequence[float] | None = None,
+    changes: Changes | None = None,
+    **options: Unpack[NeedsOptions],
+) -> dict[str, Any]:
+    """Finds which parts of a scene its mean power needs, and what runs the scene without the others.
+
+    ``accuracy`` is the relative change that is accepted. ``amplitude`` in m/s² and ``frequency`` in Hz are pairs (lowest,
+    highest), at which it must hold too; ``emit`` is a file for the cut scene as a Rust module. Returns the object of
+    ``needs --format json``: ``full``, the result of the full scene, ``parts`` and ``numerics`` as lists of dictionaries,
+    ``left_out`` as a list of names, and ``without_all``, the relative changes without all of them.
+    """
+    ranges = {"amplitude": amplitude, "frequency": frequency}
+    arguments = [f"--{name}={_range(ends)}" for name, ends in ranges.items() if ends is not None]
+    return _of_command("needs", scene, changes, arguments + _arguments(options, NeedsOptions))
+
+
+def tolerance(
+    scene: Source,
+    vary: Mapping[str, Any] | None = None,
+    *,
+    correlate: Mapping[tuple[str, str], float] | None = None,
+    changes: Changes | None = None,
+    **options: Unpack[ToleranceOptions],
+) -> dict[str, Any] | None:
+    """Draws samples of keys that vary from part to part, on all cores: how a number of the result spreads.
+
+    ``vary`` has the bound of each key: a number in the unit of the key, or a text such as ``"±2%"`` or ``"±5%:normal"``, where the
+    bound is two standard deviations. ``correlate`` has the correlation of pairs of normal keys, ``parts`` is a CSV file of measured
+    parts. Returns the object of ``tolerance --format json``: ``statistics``, a list of dictionaries with ``name``, ``value``,
+    ``confidence_low`` and ``confidence_high`` in the unit of ``quantity`` (``mean_power_w``), ``keys``, a list in the order in
+    which they matter, and others. ``output`` is a folder for table and pictures, and keeps the samples of an interrupted call.
+    With ``part="3/16"`` a job of an array keeps its samples there, and returns ``None``; ``merge=16`` has the result of all.
+    """
+    bounds = [f"{key}={bound if isinstance(bound, str) else f'±{_toml(bound)}'}" for key, bound in (vary or {}).items()]
+    pairs = [f"{one},{other}={value}" for (one, other), value in (correlate or {}).items()]
+    arguments = [*_repeated("vary", bounds), *_repeated("correlate", pairs), *_arguments(options, ToleranceOptions)]
+    return _of_command("tolerance", scene, changes, arguments)
+
+
+def validation(*, picture: str | os.PathLike[str] | None = None) -> Rows:
+    """Puts published measurements beside the models.
+
+    Returns the list of ``validation --format json``: a dictionary for each figure with ``source``, ``quantity`` with its unit,
+    ``measured``, ``ours``, ``relative_difference``, and ``fitted``, whether a parameter was fitted to it. ``picture`` is a file
+    (.svg or .html). The scenes are those of the sources by which the package was built.
+    """
+    arguments = [] if picture is None else [f"--picture={os.fspath(picture)}"]
+    found: Rows = json.loads(_native.command(["validation", *arguments]))
+    return found
+
+
+@dataclasses.dataclass(frozen=True)
+class Picture:
+    """The motion of runs. A notebook draws it."""
+
+    svg: str = dataclasses.field(repr=False)
+    page: str = dataclasses.field(repr=False)
+    """An HTML page with zoom, and with the values at the pointer."""
+    accuracy: dict[str, Any]
+    """The statement of the runs."""
+    warnings: list[str]
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """Writes the page to a file that ends in .html, the SVG to another."""
+        path = pathlib.Path(file)
+        path.write_text(self.page if path.suffix.lower() == ".html" else self.svg, encoding="utf-8")
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+
+def plot(
+    scene: Source,
+    *,
+    compare: Mapping[str, Sequence[Any]] | None = None,
+    span: Sequence[float] | None = None,
+    traces: Iterable[str | os.PathLike[str]] = (),
+    changes: Changes | None = None,
+    **options: Unpack[PlotOptions],
+) -> Picture:
+    """Draws the motion of a run, or of a run for each value of a key.
+
+    ``compare`` has up to six values of one key, ``span`` is the pair of the first and last instant in s of time histories and phase
+    portrait, ``traces`` are CSV files to draw beside the runs. ``view`` is any of history, phase, spectrum and energy,
+    ``quantity`` the columns of the time histories, ``highest`` the highest frequency of the spectrum in Hz, ``log`` its
+    logarithmic axes, x and y. Each run is made once.
+    """
+    arguments = [os.fspath(trace) for trace in traces]
+    for key, values in (compare or {}).items():
+        arguments.append(f"--compare={key}={','.join(value if isinstance(value, str) else _toml(value) for value in values)}")
+    arguments += [] if span is None else [f"--from={span[0]}", f"--to={span[1]}"]
+    found = _of_command("plot", scene, changes, arguments + _arguments(options, PlotOptions))
+    return Picture(found["svg"], found["page"], found["accuracy"], found["warnings"])
+
+
+def _of_command(name: str, scene: Source, changes: Changes | None, arguments: Iterable[str]) -> dict[str, Any]:
+    """The result of a command, which is an object but of a part of a tolerance."""
     with _file(scene) as path:
-        found: dict[str, Any] = json.loads(_native.optimise([path, *arguments]))
+        found: dict[str, Any] = json.loads(_native.command([name, path, *_given(changes), *arguments]))
     return found
 
 
@@ -397,6 +586,11 @@ def _file(scene: Source) -> Iterator[str]:
 def _given(changes: Changes | None) -> list[str]:
     """Keys and values as one option each."""
     return [f"--set={key}={value}" for key, value in _overrides(changes)]
+
+
+def _range(ends: Iterable[Any]) -> str:
+    """Ends of a range as the command line has them."""
+    return ":".join(str(end) for end in ends)
 
 
 def _repeated(name: str, values: Any) -> list[str]:
@@ -439,7 +633,8 @@ def _arguments(options: Mapping[str, Any], known: type) -> list[str]:
         if isinstance(value, (bool, np.bool_)):
             arguments += [argument] if value else []
         elif value is not None:
-            arguments.append(f"{argument}={value}")
+            values = value if isinstance(value, (list, tuple)) else [value]
+            arguments.append(f"{argument}={','.join(map(str, values))}")
     return arguments
 
 

@@ -9,6 +9,7 @@ use crate::budget::outcome::Source;
 use crate::budget::{income, picture, simulate};
 use crate::method::{Failure, Precision};
 use crate::outcome::Format;
+use crate::report::Picture;
 use crate::scene_file::{self, Load, Override};
 
 /// The picture, and the page with it.
@@ -44,6 +45,40 @@ pub struct BudgetArguments {
 
 /// Simulates the day, draws it and prints its numbers.
 pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
+    let (text, picture, outputs) = simulated(arguments, arguments.format, true)?;
+    print(&text)?;
+    if arguments.svg.is_none() {
+        let folder = report_folder();
+        make_folder(&folder)?;
+        for file in REPORT.map(|name| folder.join(name)) {
+            outputs.keep(&file, picture.of_file(&file)?);
+        }
+    }
+    keep(arguments, &picture, &outputs)
+}
+
+/// Simulates the day. Returns its numbers as JSON, and writes the picture where a file for it is given.
+///
+/// # Errors
+/// [`Failure::Input`] for bad input, [`Failure::Step`] where a run does not come to its end.
+pub fn json(arguments: &BudgetArguments) -> Result<String, Failure> {
+    let (text, picture, outputs) = simulated(arguments, Format::Json, false)?;
+    keep(arguments, &picture, &outputs).map(|()| text)
+}
+
+fn keep(arguments: &BudgetArguments, picture: &Picture, outputs: &Outputs) -> Result<(), Failure> {
+    if let Some(file) = &arguments.svg {
+        outputs.keep(file, picture.svg()?);
+    }
+    outputs.ended()
+}
+
+/// The numbers of the day, its picture, and the files that wait for it.
+fn simulated(
+    arguments: &BudgetArguments,
+    format: Format,
+    has_report: bool,
+) -> Result<(String, Picture, Outputs), Failure> {
     let learning_days = arguments.learning_days;
     let (scene, node) = scene_file::read_with_node(&arguments.scene, &arguments.overrides)?;
     check_overrides(&arguments.overrides, &[])?;
@@ -52,7 +87,8 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?;
     match &arguments.svg {
         Some(file) => outputs.check("--svg", file)?,
-        None => outputs.check_in("", &report_folder(), &REPORT)?,
+        None if has_report => outputs.check_in("", &report_folder(), &REPORT)?,
+        None => {}
     }
     let bridged = matches!(scene.load, Load::RectifiedStore(_));
     if arguments.exact && !bridged {
@@ -85,17 +121,5 @@ pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
         whole_day,
         stated,
     };
-    let picture = picture::picture(&day, &source);
-    print(&day.text(&source, arguments.format))?;
-    match &arguments.svg {
-        Some(file) => outputs.keep(file, picture.svg()?),
-        None => {
-            let folder = report_folder();
-            make_folder(&folder)?;
-            for file in REPORT.map(|name| folder.join(name)) {
-                outputs.keep(&file, picture.of_file(&file)?);
-            }
-        }
-    }
-    outputs.ended()
+    Ok((day.text(&source, format), picture::picture(&day, &source), outputs))
 }

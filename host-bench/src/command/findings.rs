@@ -223,12 +223,25 @@ const VALIDATION: [Column<'_>; 7] = [
 /// # Errors
 /// A picture that cannot be written, a shipped scene that is not found, or a run that stops.
 pub fn run_validation(arguments: &ValidationArguments) -> Result<(), Failure> {
+    let (rows, outputs) = validated(arguments)?;
+    print(&rows.text(arguments.format, |rows| rows.table(presets::NOTHING, &VALIDATION, 3)))?;
+    outputs.ended()
+}
+
+/// The same figures as JSON.
+///
+/// # Errors
+/// A picture that cannot be written, a shipped scene that is not found, or a run that stops.
+pub fn validation_json(arguments: &ValidationArguments) -> Result<String, Failure> {
+    let (rows, outputs) = validated(arguments)?;
+    outputs.ended().map(|()| rows.text(Format::Json, |_| String::new()))
+}
+
+fn validated(arguments: &ValidationArguments) -> Result<(Rows, Outputs), Failure> {
     let outputs = Outputs::of_shipped(validation::SCENES);
     outputs.check_picture("--picture", &arguments.picture)?;
     if let Some(file) = &arguments.picture {
         outputs.keep(file, validation::picture()?.of_file(file)?);
     }
-    let rows = Rows::of(&validation::figures()?);
-    print(&rows.text(arguments.format, |rows| rows.table(presets::NOTHING, &VALIDATION, 3)))?;
-    outputs.ended()
+    Ok((Rows::of(&validation::figures()?), outputs))
 }

@@ -59,7 +59,23 @@ const ACCURACY: [f64; 2] = [1e-4, 0.5];
 /// # Errors
 /// If the scene cannot be read or run.
 pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
-    let NeedsArguments { accuracy, format, .. } = *arguments;
+    let (text, outputs) = found(arguments, arguments.format)?;
+    print(&text)?;
+    outputs.ended()
+}
+
+/// The same as JSON.
+///
+/// # Errors
+/// If the scene cannot be read or run, or the file of the module not be written.
+pub fn json(arguments: &NeedsArguments) -> Result<String, Failure> {
+    let (text, outputs) = found(arguments, Format::Json)?;
+    outputs.ended().map(|()| text)
+}
+
+/// The result as text, and the files after they were written.
+fn found(arguments: &NeedsArguments, format: Format) -> Result<(String, Outputs), Failure> {
+    let accuracy = arguments.accuracy;
     let [lowest, highest] = ACCURACY;
     if !(lowest..=highest).contains(&accuracy) {
         let text = format!("--accuracy {accuracy}: must be a number from {lowest:e} to {highest}");
@@ -93,7 +109,7 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
         outputs.keep(file, emission.cut(&command)?);
     }
     let on_core = arguments.core.map(|core| emission.on_core(core)).transpose()?;
-    print(&match format {
+    let text = match format {
         Format::Table => {
             let costs = on_core.as_deref().map_or_else(String::new, costs_table);
             let all = report(&study, accuracy, &needs, &numerics) + &costs;
@@ -105,8 +121,8 @@ pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
             json_text(&object)?
         }
         Format::Csv => csv_text(&needs.findings, &numerics, on_core.as_deref().unwrap_or_default()),
-    })?;
-    outputs.ended()
+    };
+    Ok((text, outputs))
 }
 
 /// The scene at the corners of the range of amplitude and frequency; without a range there is none.

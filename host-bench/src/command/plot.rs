@@ -7,10 +7,14 @@ use super::{NODE, Watch, check_keys, note, print, print_line};
 use crate::accuracy::{Statements, print_warnings};
 use crate::method::{Failure, Options};
 use crate::motion::{self, LogAxis, Series, View, Wanted};
+use crate::outcome::{Fields, Format, text};
+use crate::report::Picture;
 use crate::report::setting::{margin, setting};
 use crate::run::run_scene;
 use crate::scene_file::{self, Override, Scene};
 
+/// The picture in the folder of reports.
+const PLOT: &str = "plot.svg";
 /// Most runs that are compared.
 const MOST_RUNS: usize = 6;
 
@@ -77,6 +81,38 @@ pub struct PlotArguments {
 
 /// Runs the scene, at each value that is compared, and draws the runs beside the traces.
 pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
+    let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?.and(&arguments.traces);
+    let file = arguments.output.clone().unwrap_or_else(|| report_folder().join(PLOT));
+    let check = || match &arguments.output {
+        Some(file) => outputs.check_picture("--output", [file]),
+        None => outputs.check_in("", &report_folder(), &[PLOT]),
+    };
+    let (picture, _) = drawn(arguments, check)?;
+    let picture = picture.of_file(&file)?;
+    if arguments.output.is_none() {
+        make_folder(&report_folder())?;
+    }
+    outputs.write(&file, &picture)?;
+    note("each run once, without an accuracy statement: `run` has one");
+    print(&format!("{}\n", file.display()))
+}
+
+/// The picture of the same runs as SVG and as a page, with what they state, as JSON.
+///
+/// # Errors
+/// [`Failure::Input`] for bad input, [`Failure::Step`] where a run does not come to its end.
+pub fn json(arguments: &PlotArguments) -> Result<String, Failure> {
+    let (picture, mut stated) = drawn(arguments, || Ok(()))?;
+    stated.insert("svg".to_owned(), picture.svg()?.into());
+    stated.insert("page".to_owned(), picture.page()?.into());
+    Ok(text(&stated, Format::Json))
+}
+
+/// The picture, and what the runs state; `check` looks at the files before they begin.
+fn drawn(
+    arguments: &PlotArguments,
+    check: impl FnOnce() -> Result<(), Failure>,
+) -> Result<(Picture, Fields), Failure> {
     let compared = arguments.compare.as_ref();
     let keys = arguments.overrides.iter().map(|change| ("--set", change.key()));
     let keys: Vec<(&str, &str)> = keys.chain(compared.map(|one| ("--compare", one.key.as_str()))).collect();
@@ -93,8 +129,7 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
     options.check()?;
     let traces: Vec<Series> =
         arguments.traces.iter().map(|file| Series::read(file)).collect::<Result<_, _>>()?;
-    let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?.and(&arguments.traces);
-    let file = output(arguments, &outputs)?;
+    check()?;
     let watch = Watch::new();
     let (mut series, mut method) = (Vec::new(), String::new());
     let (mut smallest, mut stated) = (Vec::new(), Statements::default());
@@ -127,24 +162,9 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
         coarse: coarse.as_ref(),
         ..usual
     };
-    print_warnings(&stated.fields(&[]));
-    let picture = motion::picture(&wanted, &series)?.of_file(&file)?;
-    if arguments.output.is_none() {
-        make_folder(&report_folder())?;
-    }
-    outputs.write(&file, &picture)?;
-    note("each run once, without an accuracy statement: `run` has one");
-    print(&format!("{}\n", file.display()))
-}
-
-/// The file of the picture, which can be written.
-fn output(arguments: &PlotArguments, outputs: &Outputs) -> Result<PathBuf, Failure> {
-    let Some(file) = &arguments.output else {
-        outputs.check_in("", &report_folder(), &["plot.svg"])?;
-        return Ok(report_folder().join("plot.svg"));
-    };
-    outputs.check_picture("--output", [file])?;
-    Ok(file.clone())
+    let stated = stated.fields(&[]);
+    print_warnings(&stated);
+    Ok((motion::picture(&wanted, &series)?, stated))
 }
 
 fn scenes(arguments: &PlotArguments) -> Result<Vec<(String, Scene)>, Failure> {

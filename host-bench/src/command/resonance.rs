@@ -10,7 +10,7 @@ use crate::accuracy::{Statements, print_warnings};
 use crate::closed_form::undamped_frequencies;
 use crate::embedded::{Search, best_resistance, search, search as peaks};
 use crate::method::{Failure, Options};
-use crate::outcome::{Fields, fields, text};
+use crate::outcome::{Fields, Format, fields, text};
 use crate::scene_file::{self, Excitation, Load, Scene};
 use crate::steady_state::{BestLoad, DEFAULT_POINTS, Peak, Resonance};
 
@@ -46,6 +46,19 @@ pub struct ResonanceArguments {
 
 /// Follows the steady state over the range and prints its peaks.
 pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
+    print(&text(&found(arguments)?, arguments.scene.format))
+}
+
+/// Follows the steady state over the range. Returns its peaks as JSON.
+///
+/// # Errors
+/// [`Failure::Input`] for bad input, [`Failure::Step`] where there is no stable orbit.
+pub fn json(arguments: &ResonanceArguments) -> Result<String, Failure> {
+    found(arguments).map(|found| text(&found, Format::Json))
+}
+
+/// The peaks, after their warnings were printed.
+fn found(arguments: &ResonanceArguments) -> Result<Fields, Failure> {
     let ResonanceArguments { from, to, points, short_open, storage_voltage, .. } = *arguments;
     let refuse = |text: String| Err(Failure::Input(text));
     for (name, value) in [("--from", from), ("--to", to)] {
@@ -86,7 +99,7 @@ pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
     };
     bar.finish_and_clear();
     print_warnings(&found);
-    print(&text(&found, arguments.scene.format))
+    Ok(found)
 }
 
 /// The warning of a peak that is at an edge of the range.
