@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::process::{Command, Stdio};
 
 use super::tool::{
-    BEAM, BIMORPH, BUMP_STOP, PASSIVE, SLIDING, accepted, folder, json, number, place, refused, set,
+    BEAM, BIMORPH, BUMP_STOP, PASSIVE, SLIDING, accepted, folder, json, number, place, refused, rows, set,
 };
 
 /// With this variable of the environment a test fails where there is no ngspice; without it the test is skipped.
@@ -178,4 +178,25 @@ fn scenes_without_a_netlist_are_refused_and_nothing_is_written() {
         refused(&["export", BEAM, "--spice", &spice, "--deck", &deck, "--set", change], &[part]);
     }
     assert!(!folder.join("harvester.cir").exists() && !folder.join("test.cir").exists());
+}
+
+/// Without feedback the current into a bus is 4 f C (V − v), V the largest voltage of open terminals, and 0 beyond.
+#[test]
+fn a_sweep_with_a_bus_has_the_current_of_the_closed_form() {
+    let set =
+        set(&["parameters.coupling=one-way", "parameters.beam_modes=1", "run={duration_s=1.0,settle_s=0.8}"]);
+    let open = json(&[&["run", BEAM, "--no-accuracy", "--set=load.resistance_ohm=inf"], &set[..]].concat());
+    let open = 2f64.sqrt() * number(&open, "rms_voltage_v");
+    let capacitance = 15.93e-9 * 50e-3 * 10e-3 / 0.5e-3;
+    let voltages = format!("--over=load.voltage_v=0:{}:5", 2.0 * open);
+    let load = "--set=load={kind=\"dc-bus\",voltage_v=0,diode_drop_v=0}";
+    let options = ["--over=excitation.amplitude_m_per_s2=10:20:2", "--no-accuracy", "--format=csv"];
+    let written = accepted(&[&["sweep", BEAM, load, &voltages], &options[..], &set].concat());
+    let found: Vec<f64> =
+        rows(&written).iter().map(|row| row["mean_store_current_a"].parse().expect("a number")).collect();
+    let expected = [0.5, 1.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    assert_eq!(found.len(), expected.len());
+    for (current, expected) in found.iter().zip(expected) {
+        assert!((current / (4.0 * 220.0 * capacitance * open) - expected).abs() < 2e-3, "{found:?}");
+    }
 }
