@@ -7,7 +7,7 @@ mod system;
 use cpu_time::ThreadTime;
 
 use crate::method::{Failure, Method, Options, Precision, refuse_first};
-use crate::outcome::{BUMP_STOP_COLUMNS, Outcome, Recording};
+use crate::outcome::Outcome;
 use crate::scene_file::{BumpStop, Contact, Scene};
 use meter::Meter;
 use method::{Implicit, RungeKutta4, Stepper};
@@ -35,8 +35,6 @@ pub(crate) fn bump_stop(scene: &Scene, model: &BumpStop, options: &Options) -> R
         base: BaseAcceleration::new(&scene.excitation),
         state: system.start(&model.initial),
         system: &system,
-        recorder: options.trace_every_s.map(|every| Recorder { every, rows: Vec::new() }),
-        has_stop: model.stop.is_some(),
         steps: 0,
     };
     let began = ThreadTime::now();
@@ -48,14 +46,11 @@ pub(crate) fn bump_stop(scene: &Scene, model: &BumpStop, options: &Options) -> R
         Method::TrBdf2 => "tr-bdf2",
         _ => "newmark",
     };
-    let recording = |rows| Recording { columns: &BUMP_STOP_COLUMNS, rows, impacts_s: Vec::new() };
-    let trace = march.recorder.map(|recorder| recording(recorder.rows));
     Ok(Outcome {
         method: method.to_owned(),
         steps: march.steps,
         processor_s,
-        trace,
-        ..meter.close(scene, march.has_stop, &march.state)
+        ..meter.close(scene, model.stop.is_some(), &march.state)
     })
 }
 
@@ -72,6 +67,10 @@ fn check(scene: &Scene, model: &BumpStop, options: &Options) -> Result<(), Failu
         ),
         (options.tolerance.is_some(), "--tolerance: must not be given for a bump-stop scene; give --step"),
         (options.long_step_s.is_some(), "--long-step: must be with --method discrete-gradient"),
+        (
+            options.trace_every_s.is_some(),
+            "--method: must be discrete-gradient or reference for a trace or a picture of a bump-stop scene",
+        ),
     ];
     refuse_first(&refusals)?;
     if model.stop.is_some_and(|stop| stop.contact != Contact::ResidualFlexibility) {
@@ -97,18 +96,10 @@ impl Span {
     }
 }
 
-/// Rows at equal distances in time.
-struct Recorder {
-    every: f64,
-    rows: Vec<Vec<f64>>,
-}
-
 struct March<'a> {
     system: &'a System,
     base: BaseAcceleration<'a>,
     state: State,
-    recorder: Option<Recorder>,
-    has_stop: bool,
     steps: u64,
 }
 
@@ -159,38 +150,8 @@ impl March<'_> {
                 )));
             }
             meter.add(&self.state, time, span.step);
-            self.record(&before, time, span.step);
         }
         Ok(())
-    }
-
-    /// Records the rows that are due within a step, by the cubic through both ends.
-    fn record(&mut self, before: &State, time: f64, step: f64) {
-        let Some(recorder) = &mut self.recorder else { return };
-        loop {
-            let due = recorder.rows.len() as f64 * recorder.every;
-            // Rounding may put a row that is due at the end of the run just after it.
-            if due > (time + step) * (1.0 + 4.0 * f64::EPSILON) {
-                return;
-            }
-            let place = ((due - time) / step).clamp(0.0, 1.0);
-            let system = self.system;
-            let dense = |of: &dyn Fn(&State) -> [f64; 2]| {
-                let ([from, leaves], [to, arrives]) = (of(before), of(&self.state));
-                model_core::integrate::Cubic::new(from, leaves, to, arrives, step).value(place)
-            };
-            let of_stop = |value: f64| if self.has_stop { value } else { f64::NAN };
-            let forces = [before, &self.state].map(|state| system.force(system.penetration(state)));
-            recorder.rows.push(vec![
-                due,
-                dense(&|state| system.tip(state)),
-                of_stop(dense(&|state| system.stop_point(state))),
-                of_stop(dense(&|state| system.rod_face(state))),
-                dense(&|state| [state.voltage, system.voltage_rate(state)]),
-                of_stop(forces[0] + (forces[1] - forces[0]) * place),
-                self.base.at(due),
-            ]);
-        }
     }
 }
 

@@ -160,43 +160,14 @@ impl Core {
     /// The addresses stand in the firmware's build script as well. Here they are what is checked:
     /// a link with another board's memory map would run on some of them all the same.
     pub const fn hardware(self) -> Hardware {
-        match self {
-            Self::M0 => Hardware {
-                target: "thumbv6m-none-eabi",
-                board: "microbit",
-                flash_origin: 0,
-                stack_top: 0x2000_4000,
-                tick_hz: 16_000_000,
-            },
-            Self::M3 => Hardware {
-                target: "thumbv7m-none-eabi",
-                board: "stm32vldiscovery",
-                flash_origin: 0x0800_0000,
-                stack_top: 0x2000_2000,
-                tick_hz: 24_000_000,
-            },
-            Self::M4f => Hardware {
-                target: "thumbv7em-none-eabihf",
-                board: "netduinoplus2",
-                flash_origin: 0x0800_0000,
-                stack_top: 0x2002_0000,
-                tick_hz: 168_000_000,
-            },
-            Self::M7 => Hardware {
-                target: "thumbv7em-none-eabihf",
-                board: "mps2-an500",
-                flash_origin: 0,
-                stack_top: 0x2002_0000,
-                tick_hz: 25_000_000,
-            },
-            Self::M33 => Hardware {
-                target: "thumbv8m.main-none-eabihf",
-                board: "mps2-an505",
-                flash_origin: 0x1000_0000,
-                stack_top: 0x3802_0000,
-                tick_hz: 20_000_000,
-            },
-        }
+        let (target, board, flash_origin, stack_top, tick_hz) = match self {
+            Self::M0 => ("thumbv6m-none-eabi", "microbit", 0, 0x2000_4000, 16_000_000),
+            Self::M3 => ("thumbv7m-none-eabi", "stm32vldiscovery", 0x0800_0000, 0x2000_2000, 24_000_000),
+            Self::M4f => ("thumbv7em-none-eabihf", "netduinoplus2", 0x0800_0000, 0x2002_0000, 168_000_000),
+            Self::M7 => ("thumbv7em-none-eabihf", "mps2-an500", 0, 0x2002_0000, 25_000_000),
+            Self::M33 => ("thumbv8m.main-none-eabihf", "mps2-an505", 0x1000_0000, 0x3802_0000, 20_000_000),
+        };
+        Hardware { target, board, flash_origin, stack_top, tick_hz }
     }
 }
 

@@ -153,12 +153,6 @@ impl System {
         Self::sums(state, self.modes[..self.beam_modes].iter().map(|mode| mode.lever))
     }
 
-    /// Displacement in m of the rod's face, and its rate.
-    pub(super) fn rod_face(&self, state: &State) -> [f64; 2] {
-        let beam = std::iter::repeat_n(0.0, self.beam_modes);
-        Self::sums(state, beam.chain(self.modes[self.beam_modes..].iter().map(|mode| -mode.lever)))
-    }
-
     /// `g` in m: negative while the contact is open.
     pub(super) fn penetration(&self, state: &State) -> f64 {
         let levers: f64 = self.modes.iter().zip(&state.motion).map(|(mode, [at, _])| mode.lever * at).sum();

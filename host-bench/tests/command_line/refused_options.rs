@@ -71,6 +71,11 @@ fn that_the_method_or_the_scene_does_not_use() {
         (BUMP_STOP, "--method reference --tolerance 1e-3", ["--tolerance", "exact"]),
         (BUMP_STOP, "--method reference --long-step 1e-5", ["--long-step", "reference"]),
         (BUMP_STOP, "--method tr-bdf2 --long-step 1e-5", ["--long-step", "discrete-gradient"]),
+        (
+            BUMP_STOP,
+            "--method newmark --trace t.csv --trace-every 1e-3",
+            ["--method", "discrete-gradient or reference"],
+        ),
         (BUMP_STOP, "--method newmark --precision f32", ["--precision f32", "must be f64"]),
         (BUMP_STOP, "--method rk4 --math libm", ["--math", "host"]),
         (BUMP_STOP, "--no-accuracy --accuracy=1e-3", ["--accuracy", "with run"]),

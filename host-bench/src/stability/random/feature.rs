@@ -50,39 +50,29 @@ struct Base {
     start: &'static str,
 }
 
+impl Base {
+    const fn new(
+        (name, drawn): (&'static str, Drawn),
+        natural_hz: f64,
+        amplitudes: [f64; 2],
+        resistances: [f64; 2],
+        start: &'static str,
+    ) -> Self {
+        Self { name, drawn, natural_hz, amplitudes, resistances, start }
+    }
+}
+
 const BASES: [Base; 4] = [
-    Base {
-        name: "contact-separation",
-        drawn: CONTACT_SEPARATION,
-        natural_hz: 20.13,
-        amplitudes: [0.3, 8.0],
-        resistances: [1e5, 1e10],
-        start: "initial.charge_c",
-    },
-    Base {
-        name: "sliding",
-        drawn: SLIDING,
-        natural_hz: 18.373,
-        amplitudes: [0.5, 5.0],
-        resistances: [1e5, 1e10],
-        start: "initial.charge_c",
-    },
-    Base {
-        name: "bump-stop",
-        drawn: BUMP_STOP,
-        natural_hz: 240.0,
-        amplitudes: [1.0, 50.0],
-        resistances: [1e3, 1e7],
-        start: "initial.voltage_v",
-    },
-    Base {
-        name: "contact-separation-passive",
-        drawn: CONTACT_SEPARATION,
-        natural_hz: 20.13,
-        amplitudes: [1.0, 4.0],
-        resistances: [1e7, 1e9],
-        start: "initial.charge_c",
-    },
+    Base::new(("contact-separation", CONTACT_SEPARATION), 20.13, [0.3, 8.0], [1e5, 1e10], "initial.charge_c"),
+    Base::new(("sliding", SLIDING), 18.373, [0.5, 5.0], [1e5, 1e10], "initial.charge_c"),
+    Base::new(("bump-stop", BUMP_STOP), 240.0, [1.0, 50.0], [1e3, 1e7], "initial.voltage_v"),
+    Base::new(
+        ("contact-separation-passive", CONTACT_SEPARATION),
+        20.13,
+        [1.0, 4.0],
+        [1e7, 1e9],
+        "initial.charge_c",
+    ),
 ];
 
 /// The case of a number under a seed: with a feature in about three of five, otherwise that of [`draw`].
