@@ -24,7 +24,7 @@ pub use parameters::{Bursts, MapParameters, NodeError, Sensor};
 use super::tier::{ActionStatus, BOUND, IncomeOfTime, PowerSource, Status, StoreReading};
 use super::voltage::{BatteryElement, CapacitorElement, Element};
 use super::voltage::{Beside, VoltageEstimate};
-use super::{HOUR, Outage, Progress, Task, Tier, VoltageNode, VoltageState, Wake, real};
+use super::{HOUR, Outage, Progress, Task, Tier, VoltageNode, VoltageParameters, VoltageState, Wake, real};
 use crate::bounds::ParameterError;
 use crate::energy::response_map::WordSource;
 use crate::energy::{Battery, ResponseMap};
@@ -32,7 +32,7 @@ use crate::excitation::{LineBank, LineBankState};
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint, Reader, Snapshot, Writer, snapshot_fields};
 use finding::{Blocks, Motion};
-use income::{LatestPower, PredictedEnergy};
+use income::{LatestPower, PredictedEnergy, least_change};
 
 /// Seconds after its end at which a burst that is not complete is given up.
 const GRACE: u32 = 2;
@@ -59,6 +59,12 @@ pub struct MapNode<
     samples: u32,
     /// Time of a burst in s, rounded up.
     duration: u32,
+    /// Variances: of the standing power in W², of the gain at most, and by how much that grows in a second; the least mean square of a change of
+    /// the power in W² a second.
+    of_standing: f32,
+    most_of_gain: f32,
+    drift: f32,
+    least_change: f32,
 }
 
 /// The state of a [`MapNode`]: all that it has learnt, and a burst that is under way.
@@ -223,7 +229,23 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         }
         let samples = bank.block() as u32 * parameters.sensor.blocks;
         let duration = ((samples + parameters.sensor.start_up) as f32 / parameters.sensor.rate) as u32 + 1;
-        Ok(Self { voltage, map, bank, parameters, samples, duration })
+        let MapParameters { gain, gain_drift, voltage: VoltageParameters { largest_power, .. }, .. } =
+            parameters;
+        let (of_standing, drift) = (voltage.of_standing(), gain_drift * gain_drift * (1.0 / 3600.0));
+        let most_of_gain = if gain > 1.0 { gain * gain } else { 1.0 };
+        let least_change = least_change(largest_power);
+        Ok(Self {
+            voltage,
+            map,
+            bank,
+            parameters,
+            samples,
+            duration,
+            of_standing,
+            most_of_gain,
+            drift,
+            least_change,
+        })
     }
 
     /// The parameters.
@@ -261,7 +283,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         let [_, by_voltage] = self.voltage.power(&state.voltage);
         let OutputPower { value, systematic, .. } = state.latest.output;
         let systematic = systematic * value * state.gain;
-        let variance = state.gain * state.gain * state.latest.variance(self.largest())
+        let variance = state.gain * state.gain * state.latest.variance(self.least_change)
             + state.of_gain * value * value
             + systematic * systematic;
         let bound = BOUND * Scalar::sqrt(variance);
@@ -277,36 +299,41 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
     fn pass(&self, state: &mut MapState<P, ACTIONS>, seconds: u32) {
         state.latest.pass(seconds, [&mut state.interval, &mut state.hour]);
         state.since = state.since.saturating_add(seconds);
+        let time = real(seconds);
         // In ten days it may change by its deviation.
-        let most_of_draw = self.voltage.of_standing();
-        let of_draw = state.of_draw + most_of_draw * (1.0 / 864_000.0) * real(seconds);
-        state.of_draw = Scalar::min(of_draw, most_of_draw);
-        let drift = self.parameters.gain_drift;
-        let most = Scalar::max(self.parameters.gain, 1.0);
-        let of_gain = state.of_gain + drift * drift * (1.0 / 3600.0) * real(seconds);
-        state.of_gain = Scalar::min(of_gain, most * most);
+        let of_draw = state.of_draw + self.of_standing * (1.0 / 864_000.0) * time;
+        state.of_draw = Scalar::min(of_draw, self.of_standing);
+        state.of_gain = Scalar::min(state.of_gain + self.drift * time, self.most_of_gain);
     }
 
-    /// What the map says of the income since the last reading.
-    fn beside(&self, state: &MapState<P, ACTIONS>) -> Option<Beside> {
-        if !state.interval.is_known() {
-            return None;
-        }
-        let [energy, variance, bound] = self.by_map(state, &state.interval);
-        let stored = self.voltage.stored_of(1.0);
-        Some(Beside { energy: stored * energy, variance: stored * stored * variance, bound: stored * bound })
+    /// The state by the voltage, and what the map says of the income since the last reading, which leaves the deviation of the gain.
+    fn beside<'a>(
+        &'a self,
+        state: &'a mut MapState<P, ACTIONS>,
+        of_gain: &'a mut Option<f32>,
+    ) -> (&'a mut VoltageState<ACTIONS>, impl FnOnce() -> Option<Beside>) {
+        let MapState { voltage, interval, latest, gain, of_gain: square, .. } = state;
+        let beside = move || {
+            let interval = interval.is_known().then_some(interval)?;
+            let gain = [*gain, *of_gain.insert(Scalar::sqrt(*square))];
+            let [energy, variance, bound] = self.by_map(gain, latest, interval);
+            let stored = self.voltage.stored_of(1.0);
+            let variance = stored * stored * variance;
+            Some(Beside { energy: stored * energy, variance, bound: stored * bound })
+        };
+        (voltage, beside)
     }
 
-    /// The harvested energy of a time in J by the map, the variance of its error, and the bound of what is the same at all
-    /// times.
-    fn by_map(&self, state: &MapState<P, ACTIONS>, of: &PredictedEnergy) -> [f32; 3] {
-        let gain = state.gain;
-        let lasting = Scalar::sqrt(state.of_gain) * of.energy + gain * of.systematic;
-        [gain * of.energy, gain * gain * of.variance(&state.latest, self.largest()), BOUND * lasting]
+    /// The harvested energy of a time in J by the map, of the gain with its deviation, the variance of its error, and the bound of what is
+    /// the same at all times.
+    fn by_map(&self, [gain, of_gain]: [f32; 2], latest: &LatestPower, of: &PredictedEnergy) -> [f32; 3] {
+        let lasting = of_gain * of.energy + gain * of.systematic;
+        [gain * of.energy, gain * gain * of.variance(latest, self.least_change), BOUND * lasting]
     }
 
-    /// Ends a wake with a reading: learns the gain, and estimates the hour if it is over.
-    fn conclude(&self, state: &mut MapState<P, ACTIONS>) {
+    /// Ends a wake with a reading: learns the gain, and estimates the hour if it is over. A reading that has asked for the deviation of the
+    /// gain is silent: it teaches no other one.
+    fn conclude(&self, state: &mut MapState<P, ACTIONS>, of_gain: Option<f32>) {
         if state.voltage.is_just_read() {
             if state.interval.seconds > 0 {
                 self.keep_estimate(state);
@@ -314,28 +341,35 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
             state.interval = PredictedEnergy::default();
         }
         if state.voltage.seconds_of_hour() < state.hour.seconds {
-            state.last_hour = state.voltage.last_hour().map(|estimated| self.combine(state, estimated));
+            state.last_hour =
+                state.voltage.last_hour().map(|estimated| self.combine(state, estimated, of_gain));
             state.hour = PredictedEnergy::default();
         }
     }
 
     /// The income of an hour as `estimated` by the voltage, or by the map if that has the smaller bound.
-    fn combine(&self, state: &MapState<P, ACTIONS>, estimated: IncomeOfTime) -> IncomeOfTime {
-        let [mut energy, variance, lasting] = self.by_map(state, &state.hour);
+    fn combine(
+        &self,
+        state: &MapState<P, ACTIONS>,
+        estimated: IncomeOfTime,
+        of_gain: Option<f32>,
+    ) -> IncomeOfTime {
+        if !E::IS_FLAT && !state.hour.is_known() {
+            return estimated;
+        }
+        let of_gain = of_gain.unwrap_or_else(|| Scalar::sqrt(state.of_gain));
+        let [mut energy, variance, lasting] = self.by_map([state.gain, of_gain], &state.latest, &state.hour);
         let mut bound = BOUND * Scalar::sqrt(variance) + lasting;
-        let is_known = if E::IS_FLAT {
+        if E::IS_FLAT {
             // Where the map says nothing the power of before goes on, or any other one up to the largest.
             let unknown = real(state.hour.unknown);
             let most = self.largest() * unknown;
             energy += Scalar::min(state.gain * state.latest.output.value * unknown, most);
             bound += most;
-            true
-        } else {
-            state.hour.is_known()
-        };
+        }
         // Vibration that no burst has met is seen by the voltage.
         let is_in_doubt = Scalar::abs(energy - estimated.energy) > bound + estimated.bound;
-        if is_known && bound < estimated.bound && !is_in_doubt {
+        if bound < estimated.bound && !is_in_doubt {
             IncomeOfTime { energy, bound, ..estimated }
         } else {
             estimated
@@ -351,8 +385,8 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         if state.since < shortest << state.misses.min(MOST_DOUBLINGS) {
             return false;
         }
-        let of_gain = Scalar::sqrt(state.of_gain);
-        if self.voltage.fills_up(&state.voltage) && of_gain > UNCERTAIN * state.gain && state.since >= HOUR {
+        let of_gain = UNCERTAIN * state.gain;
+        if state.since >= HOUR && state.of_gain > of_gain * of_gain && self.voltage.fills_up(&state.voltage) {
             // The voltage still resolves the power of a vibration that it will not resolve when the storage is full.
             return true;
         }
@@ -360,14 +394,19 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         if !state.latest.is_known {
             return is_silent || self.voltage.is_mute(&state.voltage);
         }
-        // The time after which a burst narrows the bound by as much as it must, and the bound that is then left.
-        let walk = BOUND
-            * state.gain
-            * Scalar::sqrt(state.latest.change(self.largest()) * (1.0 / 12.0) * real(HOUR));
-        let time = Scalar::sqrt(worth * energy * real(HOUR) / walk);
-        let of_gain = BOUND * of_gain * state.latest.output.value * real(HOUR);
-        let is_better = is_silent || of_gain + walk * time < self.voltage.bound_of_an_hour(&state.voltage);
-        is_better && real(state.since) >= time
+        // By the walk of the power a burst narrows the bound by as much as it must after √(worth / walk), and √(worth · walk) is then
+        // left of it beside what the gain leaves. The squares are compared: roots are dear without a division.
+        let (hour, since) = (real(HOUR), real(state.since));
+        let (worth, since) = (worth * energy * hour, since * since);
+        let scale = BOUND * BOUND * (1.0 / 12.0) * hour;
+        let walk = scale * state.gain * state.gain * state.latest.change(self.least_change);
+        if is_silent || since * since * walk < worth * worth {
+            return since * since * walk >= worth * worth;
+        }
+        let of_gain = BOUND * state.latest.output.value * hour;
+        let (of_gain, of_walk) = (of_gain * of_gain * state.of_gain, worth * Scalar::sqrt(walk));
+        let rest = self.voltage.square_of_bound(&state.voltage) - of_gain - of_walk;
+        rest > 0.0 && 4.0 * of_gain * of_walk < rest * rest
     }
 
     /// What to do: what the voltage asks for, or a burst before it sleeps.
@@ -485,7 +524,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
             of_gain: self.parameters.gain * self.parameters.gain,
             contradictions: 0,
             is_doubtful: false,
-            of_draw: self.voltage.of_standing(),
+            of_draw: self.of_standing,
             is_rest: false,
             estimated: [None; 2],
             unreported: 0,
@@ -514,9 +553,10 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
             self.give_up(state);
         }
         self.pass(state, seconds);
-        let beside = code.and_then(|_| self.beside(state));
-        let wake = self.voltage.wake_with(&mut state.voltage, now, code, beside);
-        self.conclude(state);
+        let mut of_gain = None;
+        let (voltage, beside) = self.beside(state, &mut of_gain);
+        let wake = self.voltage.wake_with(voltage, now, code, beside);
+        self.conclude(state, of_gain);
         self.with_burst(state, wake)
     }
 
@@ -533,9 +573,10 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         if state.burst.missing > 0 {
             self.give_up(state);
         }
-        let beside = code.and_then(|_| self.beside(state));
-        let wake = self.voltage.wake_after_with(&mut state.voltage, gap, code, beside);
-        self.conclude(state);
+        let mut of_gain = None;
+        let (voltage, beside) = self.beside(state, &mut of_gain);
+        let wake = self.voltage.wake_after_with(voltage, gap, code, beside);
+        self.conclude(state, of_gain);
         self.with_burst(state, wake)
     }
 

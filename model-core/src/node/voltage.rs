@@ -202,7 +202,7 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     pub fn overall(&self, state: &VoltageState<ACTIONS>) -> IncomeOfTime {
         let mut all = state.closed;
         all.add(&state.hour);
-        self.income(&all, state)
+        self.income(&all, state, self.uncertainty(&all, state))
     }
 
     /// Stored energy in J without the income since the last reading, and its bound.
@@ -250,11 +250,11 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
             + self.leakage * books.leaked * books.leaked
     }
 
-    /// The income of a time up to the last reading.
+    /// The income of a time up to the last reading, of this variance.
     #[inline(never)]
-    fn income(&self, books: &Books, state: &VoltageState<ACTIONS>) -> IncomeOfTime {
+    fn income(&self, books: &Books, state: &VoltageState<ACTIONS>, variance: f32) -> IncomeOfTime {
         let gone = books.standing + books.spent + books.leaked + books.shunted - state.out;
-        let deviation = Scalar::sqrt(self.uncertainty(books, state));
+        let deviation = Scalar::sqrt(variance);
         let energy = self.per_stored * Scalar::max(state.read - books.begin + gone, 0.0);
         let of_charging = BOUND * self.parameters.tolerances.charging * energy;
         IncomeOfTime {
@@ -307,9 +307,13 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         }
     }
 
-    /// Takes in a reading of the voltage. `beside` is what else says something of the income since the last one.
+    /// Takes in a reading of the voltage. `beside` is what else says something of the income since the last one, which a storage that
+    /// may be full asks for.
     #[inline(never)]
-    fn observe(&self, state: &mut VoltageState<ACTIONS>, code: u32, beside: Option<Beside>) {
+    fn observe<B>(&self, state: &mut VoltageState<ACTIONS>, code: u32, beside: B)
+    where
+        B: FnOnce() -> Option<Beside>,
+    {
         let code = code.min(self.full_code);
         let read = self.element.energy(code);
         let slope = self.element.square_of_slope(read);
@@ -363,7 +367,7 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         state.hour.once += curved * curved;
         if code == self.full_code || read + out - state.drained >= self.full {
             let usual = state.income * time / real(state.over.max(1));
-            let beside = beside.unwrap_or(Beside {
+            let beside = beside().unwrap_or(Beside {
                 energy: Scalar::min(usual, most),
                 variance: 0.0,
                 bound: f32::INFINITY,
@@ -395,15 +399,18 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         (room / (2.0 * state.income)).to_u32().max(shortest).min(longest)
     }
 
-    /// Whether an action leaves the reserve, and by the bound of the energy no less than the lock-out, if there was no income since
-    /// the last reading.
-    fn grants(&self, state: &VoltageState<ACTIONS>, action: &Regular) -> bool {
+    /// Energy in J above the lock-out if there was no income since the last reading, less than any before the first, and the square of its
+    /// bound.
+    fn spare(&self, state: &VoltageState<ACTIONS>) -> [f32; 2] {
         let above = state.energy() - self.lock_out;
-        let left = above - self.drawn_per_used * action.energy;
         let variance = state.variance + self.scale * above * above;
-        state.is_located
-            && left >= self.drawn_per_used * self.parameters.reserve
-            && left * left >= BOUND * BOUND * variance
+        [if state.is_located { above } else { f32::NEG_INFINITY }, BOUND * BOUND * variance]
+    }
+
+    /// Whether an action leaves the reserve of what is spare, and by the bound of that no less than the lock-out.
+    fn grants(&self, [above, square]: [f32; 2], action: &Regular) -> bool {
+        let left = above - self.drawn_per_used * action.energy;
+        left >= self.drawn_per_used * self.parameters.reserve && left * left >= square
     }
 
     /// What to do now; `is_read` is whether the voltage was read.
@@ -421,15 +428,16 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
                 state.repeated += 1;
                 return sleep(0, true);
             }
-            self.close_hour(state);
+            self.close_hour(state, uncertain);
         }
         let mut next = HOUR.saturating_sub(state.hour.seconds);
         let reading = self.interval(state).saturating_sub(state.attempted).max(1);
         if next == 0 {
             next = reading;
         }
+        let spare = self.spare(state);
         for (index, action) in self.parameters.actions.iter().enumerate() {
-            if !self.grants(state, action) {
+            if !self.grants(spare, action) {
                 continue;
             }
             let Some(rested) = state.rested.get_mut(index) else { continue };
@@ -445,8 +453,8 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         sleep(again_in, again_in == reading || again_in == hour)
     }
 
-    fn close_hour(&self, state: &mut VoltageState<ACTIONS>) {
-        state.last_hour = Some(self.income(&state.hour, state));
+    fn close_hour(&self, state: &mut VoltageState<ACTIONS>, variance: f32) {
+        state.last_hour = Some(self.income(&state.hour, state, variance));
         let (begin, of_begin) = (state.read - state.out, state.variance);
         let hour = core::mem::replace(&mut state.hour, Books { begin, of_begin, ..Books::default() });
         state.closed.add(&hour);
@@ -459,7 +467,7 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         state: &mut VoltageState<ACTIONS>,
         code: Option<u32>,
         is_missing: bool,
-        beside: Option<Beside>,
+        beside: impl FnOnce() -> Option<Beside>,
     ) -> Wake {
         if let Some(code) = code {
             self.observe(state, code, beside);
@@ -506,7 +514,7 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         state: &mut VoltageState<ACTIONS>,
         now: u32,
         code: Option<u32>,
-        beside: Option<Beside>,
+        beside: impl FnOnce() -> Option<Beside>,
     ) -> Wake {
         let seconds = self.advance(state, now, true);
         let is_missing = code.is_none() && seconds >= state.asked;
@@ -519,7 +527,7 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         state: &mut VoltageState<ACTIONS>,
         gap: Outage,
         code: Option<u32>,
-        beside: Option<Beside>,
+        beside: impl FnOnce() -> Option<Beside>,
     ) -> Wake {
         let (now, is_on) = (gap.end().unwrap_or(state.second), matches!(gap, Outage::OnUntil(_)));
         state.doubted = 0;
@@ -569,13 +577,13 @@ impl<const ACTIONS: usize, E: Element> Tier for VoltageNode<ACTIONS, E> {
 
     #[inline(never)]
     fn wake(&self, state: &mut VoltageState<ACTIONS>, now: u32, code: Option<u32>) -> Wake {
-        self.wake_with(state, now, code, None)
+        self.wake_with(state, now, code, || None)
     }
 
     #[cold]
     #[inline(never)]
     fn wake_after(&self, state: &mut VoltageState<ACTIONS>, gap: Outage, code: Option<u32>) -> Wake {
-        self.wake_after_with(state, gap, code, None)
+        self.wake_after_with(state, gap, code, || None)
     }
 
     fn status(&self, state: &VoltageState<ACTIONS>) -> Status {
@@ -603,7 +611,7 @@ impl<const ACTIONS: usize, E: Element> Tier for VoltageNode<ACTIONS, E> {
 
     fn action(&self, state: &VoltageState<ACTIONS>, index: usize) -> Option<ActionStatus> {
         let (stated, rested) = (*self.parameters.actions.get(index)?, *state.rested.get(index)?);
-        Some(ActionStatus { stated, rested, is_affordable: self.grants(state, &stated) })
+        Some(ActionStatus { stated, rested, is_affordable: self.grants(self.spare(state), &stated) })
     }
 
     fn book(&self, state: &mut Self::State, energy: f32) -> Result<(), ParameterError<f32>> {

@@ -241,7 +241,7 @@ fn calls<N: Tier<State: Copy>, const IMAGE: usize>(node: &N, stack: u32) {
             second += BURST / RATE;
         }
         second += if let Task::Burst { .. } = wake.task { 0 } else { wake.again_in };
-        let code = wake.read.then(|| 2600 + second / 200 % 400);
+        let code = wake.read.then(|| 2600 + second / 100 % 1200);
         let kind = if code.is_some() { &mut reading } else { &mut other };
         kind.time(counter, || wake = node.wake(&mut state, second, black_box(code)));
     }
@@ -251,14 +251,8 @@ fn calls<N: Tier<State: Copy>, const IMAGE: usize>(node: &N, stack: u32) {
         state = resumed.map_or(node.start(second), |image| image.state);
         wake = node.wake_after(&mut state, Outage::OnUntil(second), None);
     });
-    for (name, of) in [
-        ("boot", boot),
-        ("reading", reading),
-        ("wake", other),
-        ("samples", samples),
-        ("block", block),
-        ("image", image),
-    ] {
+    let names = ["boot", "reading", "wake", "samples", "block", "image"];
+    for (name, of) in names.into_iter().zip([boot, reading, other, samples, block, image]) {
         let stack = of.stack.saturating_sub(nothing.stack);
         defmt::info!("call {=str} {=u32} {=u64} {=u64} {=u32}", name, of.number, of.ticks, of.largest, stack);
     }

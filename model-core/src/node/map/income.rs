@@ -42,35 +42,44 @@ pub(super) struct PredictedEnergy {
     pub(super) systematic: f32,
 }
 
+/// Least mean square of the change of the power in W² a second, of a harvester of a `largest` power in W.
+pub(super) const fn least_change(largest: f32) -> f32 {
+    let least = LEAST_CHANGE * largest;
+    least * least * (1.0 / 3600.0)
+}
+
 impl LatestPower {
     /// Whether the last burst was taken at the begin of an interval of so many seconds that ends now.
     pub(super) fn is_since(&self, interval: u32) -> bool {
         self.is_known && self.seconds.abs_diff(interval) <= interval / 8 + 1
     }
 
-    /// Mean square of the change of the power in W² a second, for a harvester of a `largest` power in W.
-    pub(super) fn change(&self, largest: f32) -> f32 {
-        let least = LEAST_CHANGE * largest;
-        let expected = if self.change > 0.0 { 0.0 } else { EXPECTED * self.output.value };
-        Scalar::max(self.change, Scalar::max(least * least, expected * expected) * (1.0 / 3600.0))
+    /// Mean square of the change of the power in W² a second, at least that of [`least_change`].
+    pub(super) fn change(&self, least: f32) -> f32 {
+        if self.change > 0.0 {
+            return Scalar::max(self.change, least);
+        }
+        let expected = EXPECTED * self.output.value;
+        Scalar::max(expected * expected * (1.0 / 3600.0), least)
     }
 
     /// Variance of the power now in W².
-    pub(super) fn variance(&self, largest: f32) -> f32 {
-        self.output.noise * self.output.noise + self.change(largest) * real(self.seconds)
+    pub(super) fn variance(&self, least: f32) -> f32 {
+        self.output.noise * self.output.noise + self.change(least) * real(self.seconds)
     }
 
     /// A time passes. What is held adds to `sums`.
     pub(super) fn pass(&mut self, seconds: u32, sums: [&mut PredictedEnergy; 2]) {
-        let OutputPower { value, noise, systematic } = self.output;
+        let (OutputPower { value, noise, systematic }, time) = (self.output, real(seconds));
+        let (energy, noise, systematic) = (value * time, noise * noise, systematic * value * time);
         for sum in sums {
             if self.is_known {
                 // The noise of a burst is the same for as long as it is held.
                 let before = real(self.seconds.min(sum.seconds));
-                let after = before + real(seconds);
-                sum.energy += value * real(seconds);
-                sum.variance += noise * noise * (after * after - before * before);
-                sum.systematic += systematic * value * real(seconds);
+                let after = before + time;
+                sum.energy += energy;
+                sum.variance += noise * (after * after - before * before);
+                sum.systematic += systematic;
             } else {
                 sum.unknown = sum.unknown.saturating_add(seconds);
             }
@@ -110,10 +119,10 @@ impl PredictedEnergy {
     }
 
     /// The variance of the energy in J² up to now.
-    pub(super) fn variance(&self, latest: &LatestPower, largest: f32) -> f32 {
+    pub(super) fn variance(&self, latest: &LatestPower, least: f32) -> f32 {
         let within = latest.seconds.min(self.seconds);
         let (before, time) = (real(latest.seconds - within), real(within));
-        self.variance + latest.change(largest) * time * time * (before + time * (1.0 / 3.0))
+        self.variance + latest.change(least) * time * time * (before + time * (1.0 / 3.0))
     }
 }
 

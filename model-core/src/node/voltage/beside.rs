@@ -58,7 +58,7 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     }
 
     /// Variance in W² of the standing power at the storage.
-    pub(in crate::node) fn of_standing(&self) -> f32 {
+    pub(in crate::node) const fn of_standing(&self) -> f32 {
         let deviation = self.parameters.tolerances.standing * self.standing;
         deviation * deviation
     }
@@ -73,24 +73,25 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         state.over
     }
 
-    /// Bound in J of the error of an hour by the voltage alone: of the last one, or of two readings.
-    pub(in crate::node) fn bound_of_an_hour(&self, state: &VoltageState<ACTIONS>) -> f32 {
+    /// Square of the bound in J of the error of an hour by the voltage alone: of the last one, or of two readings.
+    pub(in crate::node) fn square_of_bound(&self, state: &VoltageState<ACTIONS>) -> f32 {
         match state.last_hour {
-            Some(IncomeOfTime { bound, silent: 0, .. }) => bound,
-            _ => self.bound_of_two_readings(state),
+            Some(IncomeOfTime { bound, silent: 0, .. }) => bound * bound,
+            _ => self.square_of_two_readings(state),
         }
     }
 
-    /// Bound in J of the error of an income by two readings.
+    /// Square of the bound in J of the error of an income by two readings.
     #[inline]
-    fn bound_of_two_readings(&self, state: &VoltageState<ACTIONS>) -> f32 {
+    fn square_of_two_readings(&self, state: &VoltageState<ACTIONS>) -> f32 {
         let of_a_reading = self.noise * self.element.square_of_slope(state.read);
-        self.per_stored * BOUND * Scalar::sqrt(2.0 * of_a_reading)
+        self.per_stored * self.per_stored * BOUND * BOUND * 2.0 * of_a_reading
     }
 
     /// Whether an hour of readings says less than what is known before them: an income up to half of the largest one.
     pub(in crate::node) fn is_mute(&self, state: &VoltageState<ACTIONS>) -> bool {
-        E::IS_FLAT && self.bound_of_two_readings(state) > 0.5 * self.parameters.largest_power * real(HOUR)
+        let half = 0.5 * self.parameters.largest_power * real(HOUR);
+        E::IS_FLAT && self.square_of_two_readings(state) > half * half
     }
 
     /// Whether an energy in J at the load leaves the lock-out.
