@@ -454,14 +454,8 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         if !matches!(predicted.finding, Finding::TwoMotions) {
             state.motion = None;
         }
-        let before = state.latest;
         state.latest.update(output, [&mut state.interval, &mut state.hour]);
-        state.misses = 0;
-        let interval = self.voltage.last_interval(&state.voltage);
-        state.is_between = state.unreported == 0;
-        if state.is_between && before.is_since(interval) {
-            self.compare_between(state, before.output);
-        }
+        (state.misses, state.is_between) = (0, state.unreported == 0);
         finding
     }
 

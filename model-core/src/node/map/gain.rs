@@ -19,26 +19,20 @@ const CONTRADICTIONS: u32 = 3;
 impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
     MapNode<W, M, P, ACTIONS, E>
 {
-    /// Learns the gain from a predicted power in W, of relative variances by noise and by the map, and the estimate by the voltage of the same
-    /// vibration.
+    /// Learns the gain from the last burst and the estimate by the voltage of the same vibration.
     ///
     /// One jump of the vibration within a comparison would make it worthless. So a burst is compared with two intervals that the voltage resolved,
-    /// or two bursts with the interval between them, and what changed from one to the other is in the variances.
-    fn compare(
-        &self,
-        state: &mut MapState<P, ACTIONS>,
-        predicted: f32,
-        [noise, systematic]: [f32; 2],
-        estimated: VoltageEstimate,
-    ) {
-        if predicted <= 0.0 {
+    /// and what changed from one to the other is in the variances.
+    fn learn_gain(&self, state: &mut MapState<P, ACTIONS>, estimated: &VoltageEstimate) {
+        let OutputPower { value, noise, systematic } = state.latest.output;
+        if value <= 0.0 {
             return;
         }
         // Noise takes it below 0 too: without that the mean of many comparisons would be too large.
-        let ratio = estimated.power / predicted;
-        let per_square = 1.0 / (predicted * predicted);
-        let square = state.gain * state.gain;
-        let of_ratio = estimated.variance * per_square + square * (noise + systematic);
+        let ratio = estimated.power / value;
+        let per_square = 1.0 / (value * value);
+        let (square, of_map) = (state.gain * state.gain, systematic * systematic);
+        let of_ratio = estimated.variance * per_square + square * (noise * noise * per_square + of_map);
         if !(of_ratio < LITTLE * state.of_gain) {
             return;
         }
@@ -56,25 +50,8 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         let part = state.of_gain / (state.of_gain + of_ratio);
         state.gain = Scalar::max(state.gain + part * departure, LOWEST_GAIN);
         // What is off of the storage, the draw and the map is the same in each comparison.
-        let least = Scalar::min(state.of_gain, estimated.lasting * per_square + square * systematic);
+        let least = Scalar::min(state.of_gain, estimated.lasting * per_square + square * of_map);
         state.of_gain = Scalar::max((1.0 - part) * state.of_gain, least);
-    }
-
-    /// Compares the last burst with the last two intervals that the voltage resolved.
-    fn compare_pair(&self, state: &mut MapState<P, ACTIONS>) {
-        let [Some(last), Some(before)] = state.estimated else { return };
-        let change = last.power - before.power;
-        let estimated = VoltageEstimate {
-            power: 0.5 * (before.power + last.power),
-            variance: 0.5 * (before.variance + last.variance) + change * change,
-            lasting: last.lasting,
-        };
-        let OutputPower { value, noise, systematic } = state.latest.output;
-        if state.is_rest {
-            self.learn_draw(state, &estimated, change);
-        } else {
-            self.compare(state, value, [noise * noise / (value * value), systematic * systematic], estimated);
-        }
     }
 
     /// Learns the standing power while the harvester rests: what then seems to be an income below 0 is drawn.
@@ -89,15 +66,6 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         }
     }
 
-    /// Compares the interval that the voltage has resolved with the bursts at its begin and its end.
-    pub(super) fn compare_between(&self, state: &mut MapState<P, ACTIONS>, before: OutputPower) {
-        let Some(estimated) = state.estimated[0] else { return };
-        let OutputPower { value, noise, systematic } = state.latest.output;
-        let (predicted, change) = (0.5 * (before.value + value), value - before.value);
-        let variance = (noise * noise + change * change) / (predicted * predicted);
-        self.compare(state, predicted, [variance, systematic * systematic], estimated);
-    }
-
     /// Keeps the estimate by the voltage since the reading before, and compares it with a burst between both.
     pub(super) fn keep_estimate(&self, state: &mut MapState<P, ACTIONS>) {
         let is_between = core::mem::replace(&mut state.is_between, false);
@@ -108,8 +76,17 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         let before = if state.unreported == 0 { state.estimated[0] } else { None };
         state.estimated = [Some(self.voltage.estimated(&state.voltage)), before];
         state.unreported = 0;
-        if is_between {
-            self.compare_pair(state);
+        let ([Some(last), Some(before)], true) = (state.estimated, is_between) else { return };
+        let change = last.power - before.power;
+        let estimated = VoltageEstimate {
+            power: 0.5 * (before.power + last.power),
+            variance: 0.5 * (before.variance + last.variance) + change * change,
+            lasting: last.lasting,
+        };
+        if state.is_rest {
+            self.learn_draw(state, &estimated, change);
+        } else {
+            self.learn_gain(state, &estimated);
         }
     }
 }

@@ -49,11 +49,6 @@ pub(super) const fn least_change(largest: f32) -> f32 {
 }
 
 impl LatestPower {
-    /// Whether the last burst was taken at the begin of an interval of so many seconds that ends now.
-    pub(super) fn is_since(&self, interval: u32) -> bool {
-        self.is_known && self.seconds.abs_diff(interval) <= interval / 8 + 1
-    }
-
     /// Mean square of the change of the power in W² a second, at least that of [`least_change`].
     pub(super) fn change(&self, least: f32) -> f32 {
         if self.change > 0.0 {

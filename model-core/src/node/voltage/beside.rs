@@ -68,11 +68,6 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         state.excess = Scalar::max(state.excess + power, -self.standing);
     }
 
-    /// Seconds between the last two readings.
-    pub(in crate::node) fn last_interval(&self, state: &VoltageState<ACTIONS>) -> u32 {
-        state.over
-    }
-
     /// Square of the bound in J of the error of an hour by the voltage alone: of the last one, or of two readings.
     pub(in crate::node) fn square_of_bound(&self, state: &VoltageState<ACTIONS>) -> f32 {
         match state.last_hour {
