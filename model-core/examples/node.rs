@@ -1,4 +1,4 @@
-//! A node that knows its income by the voltage of its storage, and by bursts of samples while the storage is full, on a made-up board.
+//! A node by the voltage of its storage, and by bursts of samples while that is full. Its harvester gives 0.8 of what the map says.
 use model_core::node::*;
 
 /// Charge per second into a storage of 1.8 to 4.6 V. Its head has the command that made it.
@@ -8,8 +8,7 @@ pub(crate) mod map;
 
 const RATE: u32 = 100; // samples of the accelerometer in a second
 const UNIT: f32 = 9.806_65e-3; // m/s² of a count
-/// In flash: a damaged map, or a parameter outside its bounds, does not compile. A burst has 16 sections of at most 20
-/// samples, 3.2 s: bins to 1.25 Hz on each side of the resonance.
+/// In flash: what does not fit does not compile. A burst has 16 sections of at most 20 samples, 3.2 s: bins to 1.25 Hz beside the resonance.
 pub(crate) static NODE: FlashMapNode<1> = {
     let bank = LineBank::new(RATE as f32, map::RESONANCE_HZ, map::HALF_BANDWIDTH_HZ, UNIT);
     let Ok(bank) = bank else { panic!("the bank of lines") };
@@ -61,8 +60,7 @@ struct Bench {
     second: u32,
     stored: f64,
     harvested: f64,
-    /// Second at which the sensor was started, and samples since.
-    burst: [u32; 2],
+    burst: [u32; 2], // second of its start, and samples since
 }
 
 impl Bench {
@@ -79,7 +77,6 @@ impl Bench {
 impl Board for Bench {
     fn sleep(&mut self, seconds: u32, samples: u32) -> u32 {
         for _ in 0..if samples > 0 { samples.div_ceil(RATE).min(seconds) } else { seconds } {
-            // The harvester gives 0.8 of what the map says.
             let current = MAP.at_voltage(self.amplitude(), 20.5, self.voltage() as f32).income();
             let power = 0.8 * self.voltage() * current.map_or(0.0, |current| f64::from(current.value));
             self.harvested += power;

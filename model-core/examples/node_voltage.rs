@@ -52,12 +52,14 @@ impl Board for Bench {
 
 fn main() {
     let (mut hour, bench) = (None, Bench(0, 60e-3, [[0xFF; 512]; 2]));
-    let mut runner = Runner::new(bench, &NODE, 0);
+    let (mut runner, mut modes) = (Runner::new(bench, &NODE, 0), Thresholds::new([[0.3, 0.4]])); // of the charge
     while runner.board().0 <= 86_400 {
         runner.step();
         if runner.is_idle() && runner.state().last_hour() != hour {
             hour = runner.state().last_hour();
-            println!("{:5} s: {hour:?}", runner.board().0);
+            let now = NODE.status(runner.state());
+            println!("{:5} s: {hour:?}, mode {}", runner.board().0, modes.mode(&now));
+            println!("{:?}, {} s without income", now.verdict, now.endurance);
             let _ = runner.save(&mut [0; 512]); // an error of the memory
         }
     }

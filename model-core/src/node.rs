@@ -32,7 +32,7 @@ pub use map::{
 };
 pub use tier::{
     ActionStatus, IncomeOfTime, Outage, PowerSource, Progress, Status, StoreReading, Task, TaskAccount,
-    TaskLedger, Tier, Wake,
+    TaskLedger, Thresholds, TickClock, Tier, Verdict, Wake,
 };
 pub use voltage::{
     BatteryElement, CapacitorElement, Element, LearntCapacitance, Tolerances, VoltageNode, VoltageParameters,

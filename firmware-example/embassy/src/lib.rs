@@ -3,11 +3,11 @@
 
 #![no_std]
 
-use embassy_time::{Delay, Duration, Instant, Timer, with_deadline};
+use embassy_time::{Delay, Duration, Instant, TICK_HZ, Timer, with_deadline};
 use embedded_hal_async::spi::SpiDevice;
 use embedded_storage_async::nor_flash::NorFlash;
 use firmware_example::board::adxl362::{Adxl362, Adxl362Error};
-use model_core::node::{Outage, Progress, Status, Task, Tier, Wake};
+use model_core::node::{Outage, Progress, Status, Task, TickClock, Tier, Wake};
 use model_core::snapshot::{image_size, read_image, save_image};
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapStorage, SerializationError, Value};
@@ -41,6 +41,7 @@ pub struct Parts<SPI, CONVERT, ACT, FLASH: NorFlash> {
     pub image_every: u32,
 }
 
+const CLOCK: TickClock = TickClock(core::num::NonZero::new(TICK_HZ).expect("a clock has ticks"));
 /// The only key of the images, and bytes of a buffer for any of them.
 const KEY: u8 = 0;
 const ROOM: usize = 384;
@@ -68,7 +69,7 @@ where
         state = node.start(0);
     }
     // The clock goes on from the image: without one of its own supply no one knows how long the power-down was.
-    let uptime = || Instant::now().as_secs() as u32;
+    let uptime = || CLOCK.second(Instant::now().as_ticks());
     let start = N::second(&state).wrapping_sub(uptime());
     let code = (parts.convert)().await;
     let mut wake = match has_image {
@@ -89,8 +90,7 @@ where
                     // A failure of the flash leaves the image before it.
                     let _ = parts.images.store_item(&mut [0; ROOM], &KEY, &Image(node, &state)).await;
                 }
-                let end = second.saturating_add(wake.again_in).wrapping_sub(start);
-                Timer::at(Instant::from_secs(end.into())).await;
+                Timer::at(Instant::from_ticks(CLOCK.due(second.wrapping_sub(start), &wake))).await;
                 if wake.read { (parts.convert)().await } else { None }
             }
             Task::Burst { samples } => {

@@ -69,10 +69,11 @@ pub struct Hour {
 
 impl State {
     pub(super) fn new(node: &ExampleNode, state: &ExampleState, plant: &Plant) -> Self {
+        let status = node.status(state);
         Self {
             second: ExampleNode::second(state),
             code: plant.code,
-            stored: node.stored(state),
+            stored: [status.energy, status.energy_bound],
             estimated: node.overall(state),
             income: plant.income,
             estimation: node.spent_on_estimation(state),

@@ -6,8 +6,8 @@ use model_core::energy::{Estimator, ResponseMap};
 use model_core::excitation::LineBank;
 use model_core::integrate::{Adaptive, ExponentialRadau, TrBdf2};
 use model_core::node::{
-    Bursts, Converter, MapNode, MapParameters, Outage, Regular, Sensor, Task, Tier, Tolerances, VoltageNode,
-    VoltageParameters,
+    Bursts, Converter, MapNode, MapParameters, Outage, Regular, Sensor, Status, Task, Tier, Tolerances,
+    VoltageNode, VoltageParameters,
 };
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::AnyContact;
@@ -217,16 +217,16 @@ fn call_node<N: Tier<State: core::fmt::Debug>>(
     2 * regular >= CALLS
 }
 
-fn judge_books([stored, bound]: [f32; 2], [power, error]: [f32; 2]) {
-    assert!(stored.is_finite() && bound >= 0.0 && bound.is_finite(), "{stored} {bound}");
-    assert!(power.is_finite() && error >= 0.0, "{power} {error}");
+fn judge_books(now: Status) {
+    assert!(now.energy.is_finite() && now.energy_bound >= 0.0 && now.endurance >= 0.0, "{now:?}");
+    assert!(now.power.is_finite() && now.power_bound >= 0.0, "{now:?}");
 }
 
 #[test]
 fn a_node_by_the_voltage() {
     let node = voltage_node();
     fuzz("calls of a node, voltage", 2500, |bytes| {
-        call_node(bytes, &node, |state| judge_books(node.stored(state), node.power(state)))
+        call_node(bytes, &node, |state| judge_books(node.status(state)))
     });
 }
 
@@ -234,6 +234,6 @@ fn a_node_by_the_voltage() {
 fn a_node_by_a_map() {
     let node = node();
     fuzz("calls of a node, map", 2500, |bytes| {
-        call_node(bytes, &node, |state| judge_books(node.stored(state), node.power(state)))
+        call_node(bytes, &node, |state| judge_books(node.status(state)))
     });
 }

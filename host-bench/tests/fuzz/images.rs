@@ -166,8 +166,8 @@ fn nodes_by_the_voltage() {
             let wake = node.wake(&mut state, now, Some(code));
             assert!(wake.again_in <= 3600, "{wake:?}");
         }
-        let [stored, bound] = node.stored(&state);
-        assert!(stored.is_finite() && bound.is_finite(), "{stored} {bound}");
+        let now = node.status(&state);
+        assert!(now.energy.is_finite() && now.energy_bound >= 0.0, "{now:?}");
     });
 }
 

@@ -163,7 +163,7 @@ impl<const P: usize, const ACTIONS: usize> MapState<P, ACTIONS> {
         self.bursts
     }
 
-    /// Asks for a burst after the next reading, whatever it is worth: for [`MapNode::power`].
+    /// Asks for a burst after the next reading, whatever it is worth: for the power now in [`Tier::status`].
     pub fn ask_for_burst(&mut self) {
         self.is_asked = true;
     }
@@ -260,25 +260,13 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         self.voltage.overall(&state.voltage)
     }
 
-    /// Stored energy in J without the income since the last reading, and its bound.
-    #[must_use]
-    pub fn stored(&self, state: &MapState<P, ACTIONS>) -> [f32; 2] {
-        self.voltage.stored(&state.voltage)
-    }
-
     /// Energy in J at the load that readings and bursts took since the start.
     #[must_use]
     pub fn spent_on_estimation(&self, state: &MapState<P, ACTIONS>) -> f32 {
         self.voltage.spent_on_readings(&state.voltage) + real(state.bursts) * self.parameters.bursts.energy
     }
 
-    /// Harvested power in W and its bound: by the last burst, or by the last two readings where that bound is smaller.
-    #[must_use]
-    pub fn power(&self, state: &MapState<P, ACTIONS>) -> [f32; 2] {
-        self.power_by_map(state).unwrap_or_else(|| self.voltage.power(&state.voltage))
-    }
-
-    /// The same by the last burst; `None` where it has no value, or the voltage the smaller bound.
+    /// Harvested power in W and its bound by the last burst; `None` where it has no value, or the voltage the smaller bound.
     fn power_by_map(&self, state: &MapState<P, ACTIONS>) -> Option<[f32; 2]> {
         let [_, by_voltage] = self.voltage.power(&state.voltage);
         let OutputPower { value, systematic, .. } = state.latest.output;
@@ -612,7 +600,9 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
     fn status(&self, state: &MapState<P, ACTIONS>) -> Status {
         let status = self.voltage.status(&state.voltage);
         let Some([power, power_bound]) = self.power_by_map(state) else { return status };
-        Status { power, power_bound, power_age: state.latest.seconds, source: PowerSource::Map, ..status }
+        let (_, verdict) = self.voltage.outlook(&state.voltage, [power, power_bound]);
+        let (power_age, source) = (state.latest.seconds, PowerSource::Map);
+        Status { power, power_bound, power_age, source, verdict, ..status }
     }
 
     fn action(&self, state: &MapState<P, ACTIONS>, index: usize) -> Option<ActionStatus> {

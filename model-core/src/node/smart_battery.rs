@@ -86,7 +86,7 @@ impl SmartBattery for Status {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::node::PowerSource;
+    use crate::node::{PowerSource, Verdict};
     use CapacityModeValue::CentiWattUnsigned;
 
     #[test]
@@ -103,6 +103,8 @@ mod tests {
             power_bound: 1e-6,
             power_age: 0,
             source: PowerSource::Voltage,
+            endurance: 3600.0,
+            verdict: Verdict::Fades,
         };
         let charge =
             [status.relative_state_of_charge(), status.absolute_state_of_charge(), status.max_error()];

@@ -1,5 +1,7 @@
 //! What a board needs of a node, whatever the node needs to know, and the estimates of each node.
 
+use core::num::NonZero;
+
 use super::{Finding, Regular};
 use crate::bounds::{Bounds, ParameterError};
 use crate::scalar::add_increment;
@@ -76,6 +78,52 @@ pub struct Status {
     pub power_age: u32,
     /// By what the power is known.
     pub source: PowerSource,
+    /// Seconds, at least, from the last wake to the lock-out without any income, action, reading and burst; 0 where the energy is unknown.
+    pub endurance: f32,
+    /// Whether the harvested power carries the node.
+    pub verdict: Verdict,
+}
+
+/// Whether the harvested power is above what leaves the storage without an action: at a cold start, whether the node lives on or falls back
+/// into the lock-out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Verdict {
+    /// The bounds allow both.
+    Open,
+    /// The stored energy rises.
+    LivesOn,
+    /// It falls.
+    Fades,
+}
+
+/// Thresholds of [`Status::charge`] with hysteresis, the lowest first, between modes of a firmware.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Thresholds<const N: usize> {
+    levels: [[f32; 2]; N],
+    mode: usize,
+}
+
+impl<const N: usize> Thresholds<N> {
+    /// Thresholds, each by the charge below which the upper mode ends, and that above which it begins, 0 to 1. Where the first is not the
+    /// smaller one there is no hysteresis.
+    #[must_use]
+    pub const fn new(levels: [[f32; 2]; N]) -> Self {
+        Self { levels, mode: 0 }
+    }
+
+    /// The mode now, 0 to `N`: 0 also where the stored energy is unknown.
+    pub fn mode(&mut self, status: &Status) -> usize {
+        let charge = if status.energy_bound < f32::INFINITY { status.charge } else { 0.0 };
+        while self.levels.get(self.mode).is_some_and(|[_, begin]| charge > *begin) {
+            self.mode += 1;
+        }
+        while self.levels.get(..self.mode).and_then(<[_]>::last).is_some_and(|[end, _]| charge < *end) {
+            self.mode -= 1;
+        }
+        self.mode
+    }
 }
 
 /// By what a power is known.
@@ -201,6 +249,24 @@ pub struct Wake {
     pub again_in: u32,
     /// Read the voltage of the storage before that call.
     pub read: bool,
+}
+
+/// The seconds of a node by a counter of so many ticks in a second, as `embassy_time::TICK_HZ` of `Instant::as_ticks`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TickClock(pub NonZero<u64>);
+
+impl TickClock {
+    /// Whole second of a tick, at most 2³² − 1.
+    #[must_use]
+    pub fn second(self, tick: u64) -> u32 {
+        u32::try_from(tick / self.0).unwrap_or(u32::MAX)
+    }
+
+    /// First tick of the second at which [`Tier::wake`] is due again after a wake at a second.
+    #[must_use]
+    pub fn due(self, second: u32, wake: &Wake) -> u64 {
+        self.0.get().saturating_mul(second.saturating_add(wake.again_in).into())
+    }
 }
 
 /// The answer of [`Tier::samples`].

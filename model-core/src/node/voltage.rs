@@ -25,7 +25,7 @@ pub use capacitance::LearntCapacitance;
 pub use element::{BatteryElement, CapacitorElement, Element};
 pub use parameters::{Tolerances, VoltageParameters};
 
-use super::tier::{ActionStatus, BOUND, IncomeOfTime, PowerSource, Status, StoreReading};
+use super::tier::{ActionStatus, BOUND, IncomeOfTime, PowerSource, Status, StoreReading, Verdict};
 use super::{HOUR, Outage, Regular, Task, Tier, Wake, real};
 use crate::bounds::{Bounds, ParameterError};
 use crate::scalar::Scalar;
@@ -206,19 +206,36 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
     }
 
     /// Stored energy in J without the income since the last reading, and its bound.
-    #[must_use]
-    pub fn stored(&self, state: &VoltageState<ACTIONS>) -> [f32; 2] {
+    pub(super) fn stored(&self, state: &VoltageState<ACTIONS>) -> [f32; 2] {
         let variance = state.variance + self.lasting_error(state.read, state.out);
         [Scalar::max(state.energy(), 0.0), BOUND * Scalar::sqrt(variance)]
     }
 
     /// Harvested power in W between the last two readings, and its bound.
-    #[must_use]
-    pub fn power(&self, state: &VoltageState<ACTIONS>) -> [f32; 2] {
-        let per_time = 1.0 / real(state.over.max(1));
-        let of_charging = self.parameters.tolerances.charging * state.income;
-        let bound = BOUND * Scalar::sqrt(state.of_income + of_charging * of_charging) * per_time;
-        [self.harvested(Scalar::max(state.income, 0.0) * per_time), self.harvested(bound)]
+    pub(super) fn power(&self, state: &VoltageState<ACTIONS>) -> [f32; 2] {
+        let VoltageEstimate { power, variance, .. } = self.estimated(state);
+        [Scalar::max(power, 0.0), BOUND * Scalar::sqrt(variance)]
+    }
+
+    /// [`Status::endurance`] and [`Status::verdict`] by a harvested power in W and its bound.
+    pub(super) fn outlook(&self, state: &VoltageState<ACTIONS>, power: [f32; 2]) -> (f32, Verdict) {
+        let Tolerances { standing, leakage, .. } = self.parameters.tolerances;
+        let [energy, bound] = self.stored(state);
+        // It leaks less and less.
+        let [drawn, leaking] = [self.standing + state.excess, self.leakage_rate * energy];
+        let (out, of_out) = (drawn + leaking, BOUND * (standing * drawn + leakage * leaking));
+        let [income, of_income] = power.map(|power| self.stored_of(power));
+        let (change, either) = (income - out, of_income + of_out);
+        if !state.is_located {
+            return (0.0, Verdict::Open);
+        }
+        let spare = Scalar::max(energy - bound - self.lock_out, 0.0);
+        let verdict = match change {
+            _ if change > either => Verdict::LivesOn,
+            _ if change < -either => Verdict::Fades,
+            _ => Verdict::Open,
+        };
+        (spare / Scalar::max(out + of_out, f32::MIN_POSITIVE), verdict)
     }
 
     /// The variance of a change of the energy and of what left beside it, by what is off at all times.
@@ -595,6 +612,7 @@ impl<const ACTIONS: usize, E: Element> Tier for VoltageNode<ACTIONS, E> {
             (_, power) if is_used => (PowerSource::Voltage, power),
             (_, [power, _]) => (PowerSource::Assumed, [power, Scalar::max(power, largest - power)]),
         };
+        let (endurance, verdict) = self.outlook(state, [power, power_bound]);
         Status {
             voltage: self.voltage(state),
             energy,
@@ -606,6 +624,8 @@ impl<const ACTIONS: usize, E: Element> Tier for VoltageNode<ACTIONS, E> {
             power_bound,
             power_age: state.since,
             source,
+            endurance,
+            verdict,
         }
     }
 

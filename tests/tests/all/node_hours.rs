@@ -4,7 +4,6 @@
 mod battery;
 mod beating;
 mod below_the_map;
-mod converter;
 mod oracle;
 mod plant;
 mod wavering;

@@ -8,7 +8,7 @@ use model_core::energy::{Capacitor, ResponseMap, StorageParameters};
 use model_core::excitation::LineBank;
 use model_core::node::{
     Board, Bursts, Converter, Fault, Finding, IncomeOfTime, MapNode, MapParameters, MapState, NodeError,
-    Outage, Regular, Runner, SaveError, Sensor, Step, Tier, Tolerances, VoltageParameters,
+    Outage, Regular, Runner, SaveError, Sensor, Status, Step, Tier, Tolerances, VoltageParameters,
 };
 use model_core::snapshot::SnapshotError;
 

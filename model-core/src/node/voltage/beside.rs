@@ -27,11 +27,6 @@ pub(in crate::node) struct VoltageEstimate {
 snapshot_fields!(impl [] VoltageEstimate { power, variance, lasting });
 
 impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
-    /// A harvested energy in J of a stored one.
-    pub(in crate::node) fn harvested(&self, stored: f32) -> f32 {
-        self.per_stored * stored
-    }
-
     /// A stored energy in J of a harvested one.
     pub(in crate::node) fn stored_of(&self, harvested: f32) -> f32 {
         self.parameters.storage.charging_efficiency * harvested

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::energy::{Capacitor, StorageParameters};
-use crate::node::{Board, Converter, Fault, Runner, TaskLedger};
+use crate::node::{Board, Converter, Fault, Runner, TaskLedger, Thresholds, TickClock};
+use core::num::NonZero;
 
 pub(super) const STATED: VoltageParameters<2> = VoltageParameters {
     storage: StorageParameters {
@@ -289,9 +290,9 @@ fn a_runner_goes_on_with_another_capacitance_and_no_income_from_it() {
     while runner.board().0 < 8000 {
         runner.step();
     }
-    let (before, [stored, _]) = (IDLE.overall(runner.state()), IDLE.stored(runner.state()));
+    let (before, stored) = (IDLE.overall(runner.state()), IDLE.status(runner.state()).energy);
     let mut runner = runner.with_node(&half);
-    let (after, [of_half, _]) = (half.overall(runner.state()), half.stored(runner.state()));
+    let (after, of_half) = (half.overall(runner.state()), half.status(runner.state()).energy);
     assert!((after.energy - before.energy).abs() < 1e-6 && before.energy > 5e-3, "{after:?} {before:?}");
     assert!((of_half / stored - 0.5).abs() < 0.01, "{of_half} {stored}");
     let hour = runner.state().last_hour();
@@ -440,9 +441,52 @@ fn a_glitch_is_refused_and_a_lasting_change_is_taken_after_a_second_reading() {
         IDLE.wake(&mut glitched, tank.second + 2, Some(right));
         assert!((glitched.energy() - stored).abs() < 1e-3, "{code}");
     }
-    // A converter that does not answer is asked again after the usual time.
-    let wake = IDLE.wake(&mut state, tank.second + 300, None);
-    assert!(wake.again_in > 50, "{wake:?}");
+    // A converter that does not answer is asked as often as one that does, and each attempt is booked.
+    let (readings, mut second) = (state.readings(), tank.second);
+    while second < tank.second + 40 * 3600 {
+        second += IDLE.wake(&mut state, second, None).again_in;
+    }
+    assert!((470..490).contains(&(state.readings() - readings)), "{state:?}");
+    assert_eq!(state.last_reading(), Some(StoreReading::Refused));
+}
+
+#[test]
+fn a_cold_start_ends_in_a_verdict_and_lasts_as_long_as_it_says() {
+    let [weak, strong]: [fn(u32) -> f64; 2] = [|_| 1e-6, |_| 12e-6];
+    for (income, expected) in [(weak, Verdict::Fades), (strong, Verdict::LivesOn)] {
+        let mut tank = Tank { energy: 5e-3 * 2.2 * 2.2, ..Tank::new(NOT, income) };
+        let mut state = IDLE.start(0);
+        assert_eq!((IDLE.status(&state).verdict, IDLE.status(&state).endurance), (Verdict::Open, 0.0));
+        let code = tank.code();
+        tank.wake = IDLE.wake(&mut state, 0, Some(code));
+        let first = IDLE.status(&state);
+        tank.run(&IDLE, &mut state, 1);
+        assert_eq!([first.verdict, IDLE.status(&state).verdict], [Verdict::Open, expected]);
+        // 8 mJ above the lock-out, of which 1.6 µW leave at first and 1.4 µW at last.
+        let mut dark = Tank { energy: 5e-3 * 2.2 * 2.2, ..Tank::new(NOT, |_| 0.0) };
+        dark.live(first.endurance as u32, true);
+        assert!(dark.energy > 5e-3 * 1.8 * 1.8 && first.endurance > 4500.0, "{first:?}");
+        dark.live(first.endurance as u32 / 8, true);
+        assert!(dark.energy < 5e-3 * 1.8 * 1.8, "{first:?}");
+    }
+}
+
+#[test]
+fn a_mode_holds_between_its_thresholds_and_is_the_lowest_without_a_known_energy() {
+    let (mut modes, first) = (Thresholds::new([[0.1, 0.2], [0.5, 0.6]]), IDLE.status(&IDLE.start(0)));
+    let mut at = |charge, energy_bound| modes.mode(&Status { charge, energy_bound, ..first });
+    let found = [0.15, 0.25, 0.15, 0.05, 0.9, 0.55, 0.45, 0.05, 0.7].map(|charge| at(charge, 0.0));
+    assert_eq!((found, at(0.9, f32::INFINITY)), ([0, 1, 1, 0, 2, 2, 1, 0, 2], 0));
+}
+
+#[test]
+fn a_wake_is_due_at_the_first_tick_of_its_second() {
+    let (clock, wake) =
+        (TickClock(NonZero::<u64>::MIN.saturating_add(32_767)), Wake { again_in: 300, ..FIRST });
+    let due = clock.due(7, &wake);
+    let seconds = [due - 1, due, due + 32_767, u64::MAX].map(|tick| clock.second(tick));
+    assert_eq!(seconds, [306, 307, 307, u32::MAX]);
+    assert_eq!(clock.due(u32::MAX, &wake), 32_768 * u64::from(u32::MAX));
 }
 
 #[test]

@@ -162,7 +162,10 @@ fn after_each_loss_of_power_the_node_goes_on_by_a_state_in_ram_even_within_a_bur
             firmware.resume(gap(second));
             assert!(!matches!(firmware.wake.task, Task::Burst { .. }) || !is_within, "{name}");
             // The power now has its bound at once, and a useful one after the next reading.
-            let power = |firmware: &Firmware| firmware.node.power(&firmware.state).map(f64::from);
+            let power = |firmware: &Firmware| {
+                let Status { power, power_bound, .. } = firmware.node.status(&firmware.state);
+                [power, power_bound].map(f64::from)
+            };
             let [found, bound] = power(&firmware);
             assert!((found - POWER).abs() <= bound, "{name} {found} {bound}");
             firmware.run_until(second + 600);

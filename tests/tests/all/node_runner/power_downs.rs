@@ -43,8 +43,9 @@ fn resumed_after(gap: fn(u32) -> Outage, change: impl Fn(&mut Bench)) -> [OneSta
     let (mut last, mut hours) = (before.last_hour(), 0);
     while OneNode::second(runner.state()) < OneNode::second(&after) + 7200 {
         step(&mut runner);
-        let [told, bound] = runner.node().power(runner.state()).map(f64::from);
-        assert!((told - POWER).abs() < bound + 0.1 * POWER && told < 1.5 * POWER, "{told} {bound}");
+        let Status { power, power_bound, .. } = runner.node().status(runner.state());
+        let [power, bound] = [power, power_bound].map(f64::from);
+        assert!((power - POWER).abs() < bound + 0.1 * POWER && power < 1.5 * POWER, "{power} {bound}");
         if runner.state().last_hour() != last {
             last = runner.state().last_hour();
             let hour = last.expect("an hour");
@@ -174,8 +175,9 @@ fn after_a_power_down_of_an_unknown_time_the_storage_is_read_anew_and_no_income_
         // Of the time since the last reading nothing is said.
         let [one, other] = [before, after].map(|state| dear_node().overall(&state));
         assert!((other.energy - one.energy).abs() < 1e-3 * one.bound && other.silent > one.silent);
-        let [stored, bound] = dear_node().stored(&after).map(f64::from);
-        assert!((stored - energy).abs() < bound && bound < 0.1e-3, "{stored} {bound}");
+        let now = dear_node().status(&after);
+        let [off, bound] = [f64::from(now.energy) - energy, now.energy_bound.into()];
+        assert!(off.abs() < bound && bound < 0.1e-3, "{now:?}");
         assert!(OneNode::second(&end) - dear_node().overall(&end).seconds <= 300);
         assert_inside(dear_node().overall(&end));
     }
