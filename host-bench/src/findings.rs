@@ -9,12 +9,17 @@ mod convergence;
 mod impacts;
 mod phases;
 mod resistance;
+mod robustness;
 mod runs;
 mod shapes;
 mod statistics;
 
 use self::check::check;
 pub use self::check::{Bound, Check};
+pub use self::robustness::Robustness;
+pub(crate) use self::robustness::drawn;
+use self::robustness::stored;
+use self::runs::Loader;
 
 use std::sync::LazyLock;
 
@@ -65,6 +70,8 @@ pub struct Finding {
     pub mark: Mark,
     /// What to know of the mark; empty if nothing.
     pub note: &'static str,
+    /// In which part of the draws its mark stays.
+    pub robustness: Robustness,
 }
 
 /// All findings: the second paper's from 1 to 20, the first paper's from 21 to 43, and what is not reproduced. A line of the
@@ -76,7 +83,8 @@ pub static FINDINGS: LazyLock<Vec<Finding>> = LazyLock::new(|| {
         let (number, mark) = (cell(), cell());
         let marks = [Mark::Shown, Mark::Chosen, Mark::NotShown];
         let mark = marks.into_iter().find(|known| known.name() == mark).unwrap_or(Mark::Stopped);
-        Finding { number, mark, source: cell(), scene: cell(), statement: cell(), note: cell() }
+        let robustness = Robustness::of(stored(number), mark);
+        Finding { number, mark, source: cell(), scene: cell(), statement: cell(), note: cell(), robustness }
     };
     include_str!("findings/list.txt").lines().map(line).collect()
 });
@@ -111,18 +119,18 @@ type Measured = Vec<Check>;
 /// Runs from which some findings are measured together.
 struct Experiment {
     numbers: &'static [&'static str],
-    measure: fn() -> Result<Measured, Failure>,
+    measure: fn(Loader<'_>) -> Result<Measured, Failure>,
 }
 
 impl Experiment {
     /// The checks of its findings. A run that stops on its way is the only check of each of them, so that the others go on.
     /// Without a `single_start` each says whether displaced starts of the runs lead elsewhere.
-    fn measured(&self, single_start: bool) -> Result<Measured, Failure> {
+    fn measured(&self, loader: Loader<'_>, single_start: bool) -> Result<Measured, Failure> {
         let stopped = |error: String| {
             let error = error.split(": ").next().unwrap_or_default();
             self.numbers.iter().map(|number| check(number, error, [], Bound::Completes)).collect()
         };
-        let mut found = stopped_as_text((self.measure)())?.unwrap_or_else(stopped);
+        let mut found = stopped_as_text((self.measure)(loader))?.unwrap_or_else(stopped);
         let of_runs = found.iter_mut().flat_map(|check| check.scenes.drain(..));
         let scenes: Vec<_> = of_runs.map(|scene| (scene, Options::default())).collect();
         if single_start {
@@ -153,7 +161,10 @@ static EXPERIMENTS: [Experiment; 13] = [
     Experiment { numbers: &["c", "d"], measure: phases::measure_not_reproduced },
     Experiment { numbers: &["37", "38", "39"], measure: impacts::measure },
     Experiment { numbers: &["42"], measure: impacts::measure_parasitic },
-    Experiment { numbers: &["21", "22", "23", "24"], measure: || resistance::measure_charge("0.36") },
+    Experiment {
+        numbers: &["21", "22", "23", "24"],
+        measure: |loader| resistance::measure_charge(loader, "0.36"),
+    },
     Experiment { numbers: &["25", "26"], measure: resistance::measure_small_charge },
     Experiment { numbers: &["27", "28", "29", "30", "a"], measure: resistance::measure_large_charge },
     Experiment { numbers: &["16"], measure: shapes::measure_charge },
@@ -182,7 +193,7 @@ fn measure_of(
     let count = |experiment: &&Experiment| experiment.numbers.iter().filter(is_wanted).count();
     let chosen = all.par_iter().with_max_len(1).filter(|experiment| count(experiment) > 0);
     let measured = chosen.map(|experiment| {
-        let found = experiment.measured(single_start);
+        let found = experiment.measured(Loader(None), single_start);
         done(count(&experiment));
         found
     });

@@ -86,7 +86,7 @@ const BEAM_KEYS: &str = "the beam's dimensions, density and young_modulus_pa";
 /// # Errors
 /// The first thing that is wrong, in one line.
 pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
-    read_all(file, overrides).map(|(scene, ..)| scene)
+    read_all(file, overrides, &|_| 1.0).map(|(scene, ..)| scene)
 }
 
 /// As [`read`], for a file that has a node.
@@ -94,7 +94,7 @@ pub fn read(file: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
 /// # Errors
 /// As [`read`], and if there is no `[node]`.
 pub fn read_with_node(file: &Path, overrides: &[Override]) -> Result<(Scene, Node), SceneError> {
-    let (scene, node, _) = read_all(file, overrides)?;
+    let (scene, node, _) = read_all(file, overrides, &|_| 1.0)?;
     let absent = || SceneError::of_absent(file, "node", "is missing; must be a table");
     node.map(|node| (scene, node)).ok_or_else(absent)
 }
@@ -104,7 +104,7 @@ pub fn read_with_node(file: &Path, overrides: &[Override]) -> Result<(Scene, Nod
 /// # Errors
 /// As [`read`].
 pub fn read_with_fit(file: &Path, overrides: &[Override]) -> Result<(Scene, Fit), SceneError> {
-    read_all(file, overrides).map(|(scene, _, fit)| (scene, fit))
+    read_all(file, overrides, &|_| 1.0).map(|(scene, _, fit)| (scene, fit))
 }
 
 /// The number at a key of a scene file, such as `load.resistance_ohm`; `None` if the key is not there.
@@ -174,12 +174,27 @@ pub fn shipped(name: &str) -> PathBuf {
 /// # Errors
 /// As [`read`].
 pub fn read_shipped(name: &str, changes: &[(&str, &str)]) -> Result<Scene, SceneError> {
-    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
-    read(&shipped(name), &overrides)
+    read_scaled(name, changes, &|_| 1.0)
 }
 
-fn read_all(file: &Path, overrides: &[Override]) -> Result<(Scene, Option<Node>, Fit), SceneError> {
-    let document = Document::read(file, overrides)?;
+/// As [`read_shipped`], each number of the changed file times the factor of its key.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_scaled(
+    name: &str,
+    changes: &[(&str, &str)],
+    factor: &dyn Fn(&str) -> f64,
+) -> Result<Scene, SceneError> {
+    let overrides: Vec<Override> = changes.iter().map(|(key, value)| Override::new(key, value)).collect();
+    read_all(&shipped(name), &overrides, factor).map(|(scene, ..)| scene)
+}
+
+type Read = (Scene, Option<Node>, Fit);
+
+fn read_all(file: &Path, overrides: &[Override], factor: &dyn Fn(&str) -> f64) -> Result<Read, SceneError> {
+    let mut document = Document::read(file, overrides)?;
+    document.content.scale("", factor);
     let mut root = Section::root(&document, &KEYS);
     let scenes: [(&Kind, Reader<Model>); 3] = [
         (&contact_separation::KIND, |root| contact_separation::model(root).map(Model::from)),

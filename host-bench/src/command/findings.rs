@@ -8,16 +8,16 @@ use comfy_table::presets;
 use serde_json::{Value, json};
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{json_text, note, print, progress, with_progress};
+use super::{count, json_text, note, print, progress, with_progress};
 use crate::figures::{self, Chapter, Figure, Subject};
-use crate::findings::{self, Check, Finding, Mark, Row, wanted};
+use crate::findings::{self, Check, Finding, Mark, Robustness, Row, wanted};
 use crate::method::Failure;
 use crate::outcome::{Format, csv, table};
 use crate::rows::{Column, Digits, Rows};
 use crate::validation;
 
 #[derive(Debug, Clone, clap::Args)]
-#[command(after_help = "Run time: half a minute on two cores")]
+#[command(after_help = "Run time: half a minute on two cores; with --robustness 15 s for each draw")]
 pub struct FindingsArguments {
     /// Numbers of the findings to measure, such as 8,9 [default: all]
     #[arg(long, value_delimiter = ',', value_name = "NUMBERS")]
@@ -28,6 +28,15 @@ pub struct FindingsArguments {
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    /// Measure in which part of some draws of the parameters the mark of each finding stays, in place of the marks; in CSV y, n or u for each draw: it holds, does not, unknown
+    #[arg(long, conflicts_with = "single_start")]
+    robustness: bool,
+    /// Number of draws
+    #[arg(long, value_name = "COUNT", default_value_t = 200, value_parser = count::<u64>(1..=999_999), requires = "robustness")]
+    draws: u64,
+    /// Number of the first draw; the stored ones begin at 0
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = count::<u64>(0..=999_999), requires = "robustness")]
+    from: u64,
 }
 
 /// Measures the findings on all cores and prints them.
@@ -35,11 +44,14 @@ pub struct FindingsArguments {
 /// # Errors
 /// An unknown number, a scene that is refused, or a finding whose mark is not the expected one.
 pub fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
-    let FindingsArguments { only, single_start, .. } = arguments;
+    let FindingsArguments { only, single_start, format, .. } = arguments;
+    if arguments.robustness {
+        return robustness(arguments);
+    }
     let rows = with_progress(wanted(only)?.len(), |bar| {
         findings::measure(only, *single_start, &|count| bar.inc(count as u64))
     })?;
-    print(&match arguments.format {
+    print(&match format {
         Format::Table => text(&rows),
         Format::Json => json_text(&rows.iter().map(object).collect::<Vec<_>>())?,
         Format::Csv => csv_text(&rows),
@@ -50,6 +62,25 @@ pub fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::Step(format!("findings: the mark is not the expected one: {}", other.join(", "))))
+}
+
+/// Measures draws of the parameters and prints in which of them each mark stays.
+fn robustness(arguments: &FindingsArguments) -> Result<(), Failure> {
+    let FindingsArguments { only, draws, from, .. } = arguments;
+    let found = with_progress(wanted(only)?.len() * *draws as usize, |bar| {
+        findings::drawn(only, *from..from + draws, &|count| bar.inc(count as u64))
+    })?;
+    let of = |(finding, letters): &(&Finding, String)| Robustness::of(letters, finding.mark);
+    let line = |row: &(&Finding, String)| {
+        format!("{:>3}  {}; {} unknown\n", row.0.number, of(row).text(), of(row).unknown)
+    };
+    let object =
+        |row: &(&Finding, String)| json!({ "number": row.0.number, "robustness": of(row), "draws": row.1 });
+    print(&match arguments.format {
+        Format::Table => found.iter().map(line).collect(),
+        Format::Json => json_text(&found.iter().map(object).collect::<Vec<_>>())?,
+        Format::Csv => csv("number,draws", found.iter().map(|row| [row.0.number.to_owned(), row.1.clone()])),
+    })
 }
 
 /// Width of the columns of quantity and measured values.
@@ -76,7 +107,8 @@ fn row_text(row: &Row) -> String {
     let finding = row.finding;
     let mark = row.mark().name();
     let expected = if row.is_as_expected() { "" } else { " (not as expected)" };
-    let mut text = format!("{:>3}  {mark}{expected}: {}\n", finding.number, finding.statement);
+    let robustness = finding.robustness.text();
+    let mut text = format!("{:>3}  {mark}{expected}, {robustness}: {}\n", finding.number, finding.statement);
     text += &format!("     {}; {}\n", finding.source, finding.scene);
     if !finding.note.is_empty() {
         text += &format!("     {}\n", finding.note);
@@ -99,7 +131,7 @@ fn object(row: &Row) -> Value {
             "holds": check.holds(),
         })
     };
-    let Finding { number, source, statement, scene, mark, note } = row.finding;
+    let Finding { number, source, statement, scene, mark, note, robustness } = row.finding;
     json!({
         "number": number,
         "source": source,
@@ -107,6 +139,7 @@ fn object(row: &Row) -> Value {
         "scene": scene,
         "mark": row.mark(),
         "expected": mark,
+        "robustness": robustness,
         "note": note,
         "checks": row.checks.iter().map(check).collect::<Vec<_>>(),
     })
@@ -126,10 +159,11 @@ fn csv_text(rows: &[Row]) -> String {
                 check.assertion(),
                 values.join(" "),
                 row.mark().name().to_owned(),
+                finding.robustness.share.map_or_else(String::new, |share| share.to_string()),
             ]
         })
     });
-    csv("number,statement,scene,quantity,assertion,values,mark", lines)
+    csv("number,statement,scene,quantity,assertion,values,mark,robustness", lines)
 }
 
 const PAGE: &str = "index.html";
@@ -140,8 +174,7 @@ pub struct FiguresArguments {
     /// Make the figures of one harvester only; may be repeated [default: all]
     #[arg(long, value_enum, value_name = "HARVESTER")]
     only: Vec<Subject>,
-    /// Folder in which each harvester gets one for its pictures, their numbers and the page [default:
-    /// report/figures]
+    /// Folder in which each harvester gets one for its pictures, their numbers and the page [default: report/figures]
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Leave out the runs from displaced starts, which seek other motions at the points that the pages name

@@ -1,6 +1,6 @@
 //! The impacting band of contact-separation over frequency: findings 33 to 36, 40, 41 and 43.
 
-use super::runs::{Changes, each, scene, value};
+use super::runs::{Changes, Loader, each, value};
 use super::statistics::{largest, least};
 use super::{Bound::*, Measured, check};
 use crate::method::{Failure, Options};
@@ -22,10 +22,13 @@ const EDGE_HZ: f64 = 1e-4;
 const FINE: u32 = 40;
 const PEAK: f64 = 1e-3;
 
-/// The scene with these keys changed at a frequency in Hz.
-fn at(changes: Changes<'_>, frequency_hz: f64) -> Result<Scene, Failure> {
+/// From where the scene is, and the keys that are changed in it.
+type Case<'a> = (Loader<'a>, Changes<'a>);
+
+/// The scene at a frequency in Hz.
+fn at((loader, changes): Case<'_>, frequency_hz: f64) -> Result<Scene, Failure> {
     let frequency = format!("{frequency_hz}");
-    scene("contact-separation", &[changes, &[("excitation.frequency_hz", &frequency)]].concat())
+    loader.scene("contact-separation", &[changes, &[("excitation.frequency_hz", &frequency)]].concat())
 }
 
 #[derive(Clone, Copy)]
@@ -37,8 +40,8 @@ struct Point {
 }
 
 impl Point {
-    fn new(changes: Changes<'_>, frequency_hz: f64) -> Result<Self, Failure> {
-        let outcome = run_scene(&at(changes, frequency_hz)?, &Options::default())?;
+    fn new(case: Case<'_>, frequency_hz: f64) -> Result<Self, Failure> {
+        let outcome = run_scene(&at(case, frequency_hz)?, &Options::default())?;
         let motion = outcome.contact_separation();
         let peak_m = value(motion.and_then(|motion| motion.peak_gap_m));
         Ok(Self { frequency_hz, peak_m, is_impacting: motion.is_some_and(|motion| motion.impacts > 0) })
@@ -57,23 +60,23 @@ struct Band {
 }
 
 impl Band {
-    fn new(changes: Changes<'_>) -> Result<Self, Failure> {
+    fn new(case: Case<'_>) -> Result<Self, Failure> {
         let frequencies: Vec<f64> = (0..COUNT).map(|index| FIRST_HZ + EVERY_HZ * f64::from(index)).collect();
-        let points = each(&frequencies, |frequency| Point::new(changes, *frequency))?;
+        let points = each(&frequencies, |frequency| Point::new(case, *frequency))?;
         let edge = |inside: Option<usize>, outwards_hz: f64| {
-            inside.map_or(Ok(f64::NAN), |inside| edge(changes, frequencies[inside], outwards_hz))
+            inside.map_or(Ok(f64::NAN), |inside| edge(case, frequencies[inside], outwards_hz))
         };
         let (first, last) = (
             points.iter().position(|point| point.is_impacting),
             points.iter().rposition(|point| point.is_impacting),
         );
         let edges = [edge(first, -EVERY_HZ)?, edge(last, EVERY_HZ)?];
-        let measured = |frequency_hz: f64| Point::new(changes, frequency_hz);
+        let measured = |frequency_hz: f64| Point::new(case, frequency_hz);
         let (highest, is_inside) =
             least(&points, |place| frequencies[place], measured, |point| -point.peak_m, PEAK)?;
         let peak_mm = if is_inside { 1e3 * highest.peak_m } else { f64::NAN };
         let places = edges.into_iter().chain([highest.frequency_hz]).filter(|place| place.is_finite());
-        let scenes = places.map(|frequency_hz| at(changes, frequency_hz)).collect::<Result<_, _>>()?;
+        let scenes = places.map(|frequency_hz| at(case, frequency_hz)).collect::<Result<_, _>>()?;
         Ok(Self { edges, peak_mm, points, scenes })
     }
 
@@ -92,37 +95,37 @@ impl Band {
 /// The frequency in Hz at which impacts begin outwards from one with impacts. At the left of a band with much charge there are
 /// islands with impacts: the outermost of [`FINE`] frequencies over two distances outwards counts, and is bisected from.
 /// Not-a-number if the band goes on.
-fn edge(changes: Changes<'_>, inside_hz: f64, outwards_hz: f64) -> Result<f64, Failure> {
+fn edge(case: Case<'_>, inside_hz: f64, outwards_hz: f64) -> Result<f64, Failure> {
     let fine: Vec<f64> =
         (0..=FINE).map(|index| inside_hz + 2.0 * outwards_hz * f64::from(index) / f64::from(FINE)).collect();
-    let points = each(&fine, |frequency| Point::new(changes, *frequency))?;
+    let points = each(&fine, |frequency| Point::new(case, *frequency))?;
     let outermost = points.iter().rposition(|point| point.is_impacting).unwrap_or(0);
     let (mut with, Some(mut without)) = (fine[outermost], fine.get(outermost + 1).copied()) else {
         return Ok(f64::NAN);
     };
     while (with - without).abs() > EDGE_HZ {
         let middle = 0.5 * (with + without);
-        *(if Point::new(changes, middle)?.is_impacting { &mut with } else { &mut without }) = middle;
+        *(if Point::new(case, middle)?.is_impacting { &mut with } else { &mut without }) = middle;
     }
     Ok(with)
 }
 
 /// The bands for charge densities and resistances, with these keys changed.
-fn bands(cases: &[(&str, &str)], changes: Changes<'_>) -> Result<Vec<Band>, Failure> {
+fn bands(loader: Loader<'_>, cases: &[(&str, &str)], changes: Changes<'_>) -> Result<Vec<Band>, Failure> {
     each(cases, |(density, resistance)| {
         let case = [("parameters.charge_density_c_per_m2", *density), ("load.resistance_ohm", *resistance)];
-        Band::new(&[&case[..], changes].concat())
+        Band::new((loader, &[&case[..], changes].concat()))
     })
 }
 
 /// Findings 33 to 36, 40, 41 and 43.
-pub(super) fn measure() -> Result<Measured, Failure> {
+pub(super) fn measure(loader: Loader<'_>) -> Result<Measured, Failure> {
     let [least, .., most] = CHARGE_DENSITIES;
     let of = |resistance: &'static str| CHARGE_DENSITIES.map(|density| (density, resistance));
-    let high = bands(&of("1e8"), SHIPPED)?;
-    let low = bands(&of("1e6"), SHIPPED)?;
-    let middle = bands(&[(least, "1e7"), (most, "1e7")], SHIPPED)?;
-    let energy = bands(&[(least, "1e8"), (most, "1e8")], GAP_FIELD)?;
+    let high = bands(loader, &of("1e8"), SHIPPED)?;
+    let low = bands(loader, &of("1e6"), SHIPPED)?;
+    let middle = bands(loader, &[(least, "1e7"), (most, "1e7")], SHIPPED)?;
+    let energy = bands(loader, &[(least, "1e8"), (most, "1e8")], GAP_FIELD)?;
     let peaks = |bands: &[Band]| bands.iter().map(|band| band.peak_mm).collect::<Vec<_>>();
     let edges = |bands: &[Band], edge: usize| bands.iter().map(|band| band.edges[edge]).collect::<Vec<_>>();
     let ends = |bands: &[Band]| [bands[0].peak_mm, bands[bands.len() - 1].peak_mm];

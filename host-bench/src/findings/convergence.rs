@@ -1,6 +1,6 @@
 //! Modes, steps and storage of the second paper: findings 18 to 20.
 
-use super::runs::{NEAR_RESONANCE, OFF_RESONANCE, each, each_of, scene, value};
+use super::runs::{Loader, NEAR_RESONANCE, OFF_RESONANCE, each, each_of, value};
 use super::statistics::{largest, smallest, spread};
 use super::{Bound::*, Measured, check};
 use crate::figures::bump_stop::convergence::{self as figures, ConvergenceRun};
@@ -18,8 +18,13 @@ const STEPS_S: [f64; 3] = [1e-6, 5e-7, 2.5e-7];
 const LONG_STEP_S: f64 = 2e-5;
 
 /// Runs a scene with numbers of modes of beam and rod and a step near contact in s.
-fn found(name: &str, modes: (usize, usize), step_s: f64) -> Result<ConvergenceRun, Failure> {
-    let scene = scene(name, &[])?;
+fn found(
+    loader: Loader<'_>,
+    name: &str,
+    modes: (usize, usize),
+    step_s: f64,
+) -> Result<ConvergenceRun, Failure> {
+    let scene = loader.scene(name, &[])?;
     let options = Options { step_s: Some(step_s), long_step_s: Some(LONG_STEP_S), ..Options::default() };
     figures::found(&scene, modes, Contact::ResidualFlexibility, scene.run, &options)
 }
@@ -30,7 +35,7 @@ fn relative_spread(found: &[ConvergenceRun], of: fn(&ConvergenceRun) -> f64) -> 
 }
 
 /// Findings 18 and 19.
-pub(super) fn measure() -> Result<Measured, Failure> {
+pub(super) fn measure(loader: Loader<'_>) -> Result<Measured, Failure> {
     let [tip, mid, _] = OFF_RESONANCE;
     let [near_tip, ..] = NEAR_RESONANCE;
     let [step_s, finer @ ..] = STEPS_S;
@@ -42,7 +47,7 @@ pub(super) fn measure() -> Result<Measured, Failure> {
         .chain(of_modes(tip))
         .chain(of_modes(mid))
         .collect();
-    let mut all = each(&cases, |(name, modes, step_s)| found(name, *modes, *step_s))?;
+    let mut all = each(&cases, |(name, modes, step_s)| found(loader, name, *modes, *step_s))?;
     let mid = all.split_off(all.len() - MODES.len());
     let tip = all.split_off(all.len() - MODES.len());
     let near = all.split_off(finer.len());
@@ -77,10 +82,10 @@ pub(super) fn measure() -> Result<Measured, Failure> {
 }
 
 /// Finding 20.
-pub(super) fn measure_storage() -> Result<Measured, Failure> {
-    let charging = scene("bump-stop-below-resonance-charging", &[])?;
+pub(super) fn measure_storage(loader: Loader<'_>) -> Result<Measured, Failure> {
+    let charging = loader.scene("bump-stop-below-resonance-charging", &[])?;
     let stored = each_of(OFF_RESONANCE, |name| {
-        let scene = Scene { load: charging.load, run: charging.run, ..scene(name, &[])? };
+        let scene = Scene { load: charging.load, run: charging.run, ..loader.scene(name, &[])? };
         let outcome = run_scene(&scene, &Options::default())?;
         let store =
             outcome.store.ok_or_else(|| Failure::of_file(&scene, "load.kind must be \"rectified-store\""))?;

@@ -1,13 +1,13 @@
 //! The resonance over the resistance: of the sliding harvester and its charge density, findings 21 to 30; piezoelectric shunting, with
 //! which the first paper compares, findings 31 and 32.
 
-use super::runs::{Changes, bump_stop, each, each_of, run, scene, value};
+use super::runs::{Changes, Loader, bump_stop, each, each_of, value};
 use super::statistics::{largest, least, smallest, spread};
 use super::{Bound::*, Measured, check};
 use crate::embedded::resonance_peak;
 use crate::method::{Failure, Options};
 use crate::run::run_scene;
-use crate::steady_state::DEFAULT_POINTS;
+use crate::steady_state::{DEFAULT_POINTS, Peak as SteadyPeak};
 
 /// Charge densities in C/m² of the first sweep.
 const CHARGE_DENSITIES: [&str; 8] = ["0", "10e-6", "20e-6", "40e-6", "60e-6", "80e-6", "100e-6", "120e-6"];
@@ -26,22 +26,26 @@ const AMPLITUDE: &str = "excitation.amplitude_g";
 /// The peak of the steady state over frequency.
 #[derive(Clone, Copy)]
 struct Peak {
-    /// Its frequency less the natural frequency, in mHz.
+    /// Its frequency less the natural frequency, in mHz at the shipped natural frequency.
     shift_mhz: f64,
     amplitude_mm: f64,
     /// Largest RMS voltage in V.
     rms_voltage_v: f64,
 }
 
-fn peak(changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Peak, Failure> {
-    let scene = scene("sliding", changes)?;
+fn peak(loader: Loader<'_>, changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Peak, Failure> {
+    let (scene, ratio) = loader.scaled("sliding", changes)?;
     let natural_hz = scene.sliding()?.parameters.natural_frequency_hz();
+    let range_hz = range_hz.map(|frequency_hz| ratio * frequency_hz);
     let (found, _) = resonance_peak(&scene, range_hz, DEFAULT_POINTS, &Options::default())?;
     let found = found.ok_or_else(|| Failure::of_file(&scene, "no stable orbit of one period"))?;
+    // At an end of the range there may be a larger one beyond.
+    let inside = |peak: SteadyPeak, value: f64| if peak.at_edge { f64::NAN } else { value };
+    let (amplitude, voltage) = (found.amplitude, found.rms_voltage);
     Ok(Peak {
-        shift_mhz: 1e3 * (found.amplitude.frequency_hz - natural_hz),
-        amplitude_mm: 1e3 * found.amplitude.value,
-        rms_voltage_v: found.rms_voltage.value,
+        shift_mhz: inside(amplitude, 1e3 * (amplitude.frequency_hz - natural_hz) / ratio),
+        amplitude_mm: inside(amplitude, 1e3 * amplitude.value),
+        rms_voltage_v: inside(voltage, voltage.value),
     })
 }
 
@@ -53,8 +57,8 @@ struct OverResistance {
 }
 
 impl OverResistance {
-    fn new(changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Self, Failure> {
-        let at = |resistance: &str| peak(&[changes, &[(RESISTANCE, resistance)]].concat(), range_hz);
+    fn new(loader: Loader<'_>, changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Self, Failure> {
+        let at = |resistance: &str| peak(loader, &[changes, &[(RESISTANCE, resistance)]].concat(), range_hz);
         let peaks = each(&RESISTANCES, |resistance| at(resistance))?;
         let exponent = |place: usize| RESISTANCES[place].parse().unwrap_or(0.0_f64).max(LEAST_OHM).log10();
         let between = |exponent: f64| at(&format!("{:e}", 10_f64.powf(exponent)));
@@ -78,14 +82,15 @@ fn last_over_first(values: &[f64]) -> f64 {
 }
 
 /// Findings 21 to 24: more charge at 100 MΩ, at an amplitude in g.
-pub(super) fn measure_charge(amplitude_g: &str) -> Result<Measured, Failure> {
+pub(super) fn measure_charge(loader: Loader<'_>, amplitude_g: &str) -> Result<Measured, Failure> {
     let peaks = each(&CHARGE_DENSITIES, |density| {
-        peak(&[(CHARGE_DENSITY, *density), (RESISTANCE, "1e8"), (AMPLITUDE, amplitude_g)], RANGE_HZ)
+        let changes = [(CHARGE_DENSITY, *density), (RESISTANCE, "1e8"), (AMPLITUDE, amplitude_g)];
+        peak(loader, &changes, RANGE_HZ)
     })?;
     let away = each(&["0", "120e-6"], |density| {
         let changes = [(CHARGE_DENSITY, *density), (RESISTANCE, "1e8"), ("excitation.frequency_hz", "16.0")];
         let options = Options { steady_state: true, ..Options::default() };
-        let outcome = run_scene(&scene("sliding", &changes)?, &options)?;
+        let outcome = run_scene(&loader.scene("sliding", &changes)?, &options)?;
         Ok(value(outcome.sliding().and_then(|found| found.amplitude_m)))
     })?;
     let (amplitudes, shifts) = (amplitudes(&peaks), shifts(&peaks));
@@ -103,8 +108,8 @@ pub(super) fn measure_charge(amplitude_g: &str) -> Result<Measured, Failure> {
 }
 
 /// Findings 25 and 26: small charge over resistance.
-pub(super) fn measure_small_charge() -> Result<Measured, Failure> {
-    let small = OverResistance::new(&[(CHARGE_DENSITY, "20e-6")], RANGE_HZ)?;
+pub(super) fn measure_small_charge(loader: Loader<'_>) -> Result<Measured, Failure> {
+    let small = OverResistance::new(loader, &[(CHARGE_DENSITY, "20e-6")], RANGE_HZ)?;
     let (amplitudes, shifts) = (amplitudes(&small.peaks), shifts(&small.peaks));
     let moved =
         largest(shifts.iter().chain([&small.lowest.shift_mhz]).map(|shift| (shift - shifts[0]).abs()));
@@ -132,7 +137,7 @@ fn least_inside(number: &'static str, of: &OverResistance) -> Measured {
 }
 
 /// Findings 27 to 30, and a: large charge over resistance.
-pub(super) fn measure_large_charge() -> Result<Measured, Failure> {
+pub(super) fn measure_large_charge(loader: Loader<'_>) -> Result<Measured, Failure> {
     let large: Changes<'_> = &[(CHARGE_DENSITY, "200e-6"), (AMPLITUDE, "0.8")];
     let swapped: Changes<'_> = &[
         (CHARGE_DENSITY, "200e-6"),
@@ -144,7 +149,7 @@ pub(super) fn measure_large_charge() -> Result<Measured, Failure> {
     ];
     let cases: [(Changes<'_>, [f64; 2]); 3] =
         [(&[(CHARGE_DENSITY, "120e-6")], RANGE_HZ), (large, WIDE_RANGE_HZ), (swapped, WIDE_RANGE_HZ)];
-    let all = each_of(cases, |(changes, range)| OverResistance::new(changes, *range))?;
+    let all = each_of(cases, |(changes, range)| OverResistance::new(loader, changes, *range))?;
     let rises = all.each_ref().map(|of| 100.0 * (of.highest.amplitude_mm / of.peaks[0].amplitude_mm - 1.0));
     let [shipped, large, _] = &all;
     let pair = [shipped, large];
@@ -159,7 +164,7 @@ pub(super) fn measure_large_charge() -> Result<Measured, Failure> {
         (of.lowest.amplitude_mm - smallest(ends.into_iter())) / spread(ends.into_iter())
     });
     let beyond = pair.map(|of| last_less_first(&shifts(&of.peaks)));
-    let half_width_mhz = half_width_mhz()?;
+    let half_width_mhz = half_width_mhz(loader)?;
     let width =
         pair.map(|of| (largest(shifts(&of.peaks).into_iter()) - of.lowest.shift_mhz) / half_width_mhz);
     let drops = falls.map(|fall| 1.0 - fall);
@@ -192,11 +197,11 @@ fn last_less_first(values: &[f64]) -> f64 {
     value(values.last().zip(values.first()).map(|(last, first)| last - first))
 }
 
-/// `2ζf` of the sliding scene in mHz.
-fn half_width_mhz() -> Result<f64, Failure> {
-    let scene = scene("sliding", &[])?;
+/// `2ζf` of the sliding scene in mHz, at the shipped natural frequency.
+fn half_width_mhz(loader: Loader<'_>) -> Result<f64, Failure> {
+    let (scene, ratio) = loader.scaled("sliding", &[])?;
     let parameters = &scene.sliding()?.parameters;
-    Ok(2e3 * parameters.damping_ratio * parameters.natural_frequency_hz())
+    Ok(2e3 * parameters.damping_ratio * parameters.natural_frequency_hz() / ratio)
 }
 
 /// Resistances in Ω.
@@ -204,14 +209,14 @@ const SHUNTS: [&str; 7] = ["1", "3e3", "1e4", "3e4", "1e5", "1e6", "1e9"];
 /// Frequencies in Hz from which the shunted_peak is narrowed down.
 const FIRST_HZ: f64 = 237.0;
 const EVERY_HZ: f64 = 1.5;
-const COUNT: u32 = 8;
+const COUNT: u32 = 11;
 /// Half the width in Hz of the last parabola.
 const CLOSE_HZ: f64 = 0.25;
 
 /// Peak tip displacement in m of the beam without a stop, when its free motion has decayed to 10⁻⁸.
-fn amplitude(resistance: &str, frequency_hz: f64) -> Result<f64, Failure> {
+fn amplitude(loader: Loader<'_>, resistance: &str, frequency_hz: f64) -> Result<f64, Failure> {
     let frequency = format!("{frequency_hz}");
-    let outcome = run(
+    let outcome = loader.run(
         "bump-stop-none",
         &[
             ("load.resistance_ohm", resistance),
@@ -228,10 +233,10 @@ fn amplitude(resistance: &str, frequency_hz: f64) -> Result<f64, Failure> {
 ///
 /// The inverse square of the amplitude of a resonance is a parabola in frequency but for terms of higher order: the top
 /// of that through three points beside the largest, twice.
-fn shunted_peak(resistance: &str) -> Result<[f64; 2], Failure> {
+fn shunted_peak(loader: Loader<'_>, resistance: &str) -> Result<[f64; 2], Failure> {
     let frequencies: Vec<f64> = (0..COUNT).map(|index| FIRST_HZ + EVERY_HZ * f64::from(index)).collect();
-    let inverse =
-        |frequency_hz: &f64| amplitude(resistance, *frequency_hz).map(|amplitude| amplitude.powi(-2));
+    let at = |frequency_hz: f64| amplitude(loader, resistance, frequency_hz);
+    let inverse = |frequency_hz: &f64| at(*frequency_hz).map(|amplitude| amplitude.powi(-2));
     let values = each(&frequencies, inverse)?;
     let least = (0..values.len()).min_by(|one, other| values[*one].total_cmp(&values[*other]));
     let Some(least) = least.filter(|least| (1..values.len() - 1).contains(least)) else {
@@ -241,7 +246,7 @@ fn shunted_peak(resistance: &str) -> Result<[f64; 2], Failure> {
     let around = each(&[near - CLOSE_HZ, near, near + CLOSE_HZ], inverse)?;
     let [before, here, after] = around[..] else { return Ok([f64::NAN; 2]) };
     let frequency_hz = top(near, CLOSE_HZ, [before, here, after]);
-    Ok([frequency_hz, amplitude(resistance, frequency_hz)?])
+    Ok([frequency_hz, at(frequency_hz)?])
 }
 
 /// Place of the lowest point of the parabola through three values at distances `every` around `middle`.
@@ -250,8 +255,8 @@ fn top(middle: f64, every: f64, [before, here, after]: [f64; 3]) -> f64 {
 }
 
 /// Findings 31 and 32.
-pub(super) fn measure() -> Result<Measured, Failure> {
-    let peaks = each(&SHUNTS, |resistance| shunted_peak(resistance))?;
+pub(super) fn measure(loader: Loader<'_>) -> Result<Measured, Failure> {
+    let peaks = each(&SHUNTS, |resistance| shunted_peak(loader, resistance))?;
     let frequencies: Vec<f64> = peaks.iter().map(|[frequency, _]| *frequency).collect();
     let amplitudes: Vec<f64> = peaks.iter().map(|[_, amplitude]| 1e6 * amplitude).collect();
     let lowest = smallest(amplitudes.iter().copied());

@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use crate::embedded::{ContactInterval, contact_intervals};
+use crate::embedded::{ContactInterval, contact_intervals, natural_frequency_hz};
 use crate::method::{Failure, Options};
 use crate::outcome::{BumpStopOutcome, Outcome};
 use crate::run::run_scene;
-use crate::scene_file::{self, Scene, StopParameters};
+use crate::scene_file::{self, Excitation, Scene, StopParameters};
 
 /// The scenes of the second paper far below the resonance: the stop at the tip, at mid-span, and none.
 pub(super) const OFF_RESONANCE: [&str; 3] =
@@ -16,13 +16,35 @@ pub(super) const NEAR_RESONANCE: [&str; 3] = ["bump-stop-tip", "bump-stop-mid-sp
 
 pub(super) type Changes<'a> = &'a [(&'a str, &'a str)];
 
-pub(super) fn scene(name: &str, changes: Changes<'_>) -> Result<Scene, Failure> {
-    Ok(scene_file::read_shipped(name, changes)?)
-}
+/// From where the experiments have their scenes: as shipped, or with each number times the factor of its key.
+#[derive(Clone, Copy)]
+pub(super) struct Loader<'a>(pub(super) Option<&'a (dyn Fn(&str) -> f64 + Sync)>);
 
-/// Runs a shipped scene with these keys changed, by the default method.
-pub(super) fn run(name: &str, changes: Changes<'_>) -> Result<Outcome, Failure> {
-    run_scene(&scene(name, changes)?, &Options::default())
+impl Loader<'_> {
+    /// A shipped scene with these keys changed.
+    pub(super) fn scene(self, name: &str, changes: Changes<'_>) -> Result<Scene, Failure> {
+        self.scaled(name, changes).map(|(scene, _)| scene)
+    }
+
+    /// The same, and its first natural frequency over that of the shipped numbers. The frequency of the excitation
+    /// and the times of the run keep their ratios to it: what experiments say of frequencies is at the shipped ones.
+    pub(super) fn scaled(self, name: &str, changes: Changes<'_>) -> Result<(Scene, f64), Failure> {
+        let shipped = scene_file::read_shipped(name, changes)?;
+        let Some(factor) = self.0 else { return Ok((shipped, 1.0)) };
+        let mut scene = scene_file::read_scaled(name, changes, &factor)?;
+        let ratio = natural_frequency_hz(&scene)? / natural_frequency_hz(&shipped)?;
+        if let Excitation::Sine(tone) = &mut scene.excitation {
+            tone.frequency_hz *= ratio;
+        }
+        scene.run.duration_s = shipped.run.duration_s / ratio;
+        scene.run.settle_s = shipped.run.settle_s / ratio;
+        Ok((scene, ratio))
+    }
+
+    /// Runs a shipped scene with these keys changed, by the default method.
+    pub(super) fn run(self, name: &str, changes: Changes<'_>) -> Result<Outcome, Failure> {
+        run_scene(&self.scene(name, changes)?, &Options::default())
+    }
 }
 
 /// The result for each case, in their order, on all cores.

@@ -1,7 +1,7 @@
 //! The deflected beam of the second paper: findings 14 to 17.
 
 use super::phases::Phases;
-use super::runs::{Changes, NEAR_RESONANCE, OFF_RESONANCE, bump_stop, each_of, run, scene, value};
+use super::runs::{Changes, Loader, NEAR_RESONANCE, OFF_RESONANCE, bump_stop, each_of, value};
 use super::statistics::{largest, mean};
 use super::{Bound::*, Measured, check};
 use crate::embedded::{DeflectedShape, ShapePoint, bump_stop_parameters, deflected_shapes};
@@ -24,8 +24,7 @@ fn shapes(scene: &Scene, every_s: f64, stations: usize) -> Result<Vec<DeflectedS
 
 /// The beam of a scene with a stop, in contact.
 struct InContact {
-    /// Mean over the chattering phases of the curvature in 1/m at the clamp and at three quarters of the length, and of
-    /// the slope of the tip.
+    /// Means over the chattering phases: curvature in 1/m at the clamp and at three quarters of the length, slope of the tip.
     clamp: f64,
     outside: f64,
     tip_slope: f64,
@@ -63,10 +62,11 @@ impl InContact {
 }
 
 /// Findings 14, 15 and 17.
-pub(super) fn measure() -> Result<Measured, Failure> {
-    let [tip, mid] = with_stop(OFF_RESONANCE)?;
-    let [near_tip, near_mid] = with_stop(NEAR_RESONANCE)?;
-    let (paper, near) = rayon::join(|| clamp_ratios(OFF_RESONANCE), || clamp_ratios(NEAR_RESONANCE));
+pub(super) fn measure(loader: Loader<'_>) -> Result<Measured, Failure> {
+    let [tip, mid] = with_stop(loader, OFF_RESONANCE)?;
+    let [near_tip, near_mid] = with_stop(loader, NEAR_RESONANCE)?;
+    let (paper, near) =
+        rayon::join(|| clamp_ratios(loader, OFF_RESONANCE), || clamp_ratios(loader, NEAR_RESONANCE));
     Ok(vec![
         check("14", "tip stop: curvature at 3L/4 / at the clamp", [tip.outside / tip.clamp], Below(0.0)),
         check(
@@ -82,23 +82,23 @@ pub(super) fn measure() -> Result<Measured, Failure> {
     ])
 }
 
-fn with_stop([tip, mid, _]: [&str; 3]) -> Result<[InContact; 2], Failure> {
-    each_of([tip, mid], |name| InContact::of(&scene(name, WINDOW)?))
+fn with_stop(loader: Loader<'_>, [tip, mid, _]: [&str; 3]) -> Result<[InContact; 2], Failure> {
+    each_of([tip, mid], |name| InContact::of(&loader.scene(name, WINDOW)?))
 }
 
 /// Largest curvature at the clamp with the stop at the tip and at mid-span over that without a stop.
-fn clamp_ratios(names: [&str; 3]) -> Result<[f64; 2], Failure> {
+fn clamp_ratios(loader: Loader<'_>, names: [&str; 3]) -> Result<[f64; 2], Failure> {
     let [tip, mid, none] = each_of(names, |name| {
-        let outcome = run(name, WINDOW)?;
+        let outcome = loader.run(name, WINDOW)?;
         Ok(value(bump_stop(&outcome)?.clamp.map(|clamp| clamp.clamp_curvature_peak_per_m)))
     })?;
     Ok([tip / none, mid / none])
 }
 
 /// Finding 16: the voltage of the open circuit is that of the charge by the slope of the tip, `ν y'(L)/C`.
-pub(super) fn measure_charge() -> Result<Measured, Failure> {
+pub(super) fn measure_charge(loader: Loader<'_>) -> Result<Measured, Failure> {
     let [tip, mid, none] = each_of(OFF_RESONANCE, |name| {
-        let scene = scene(
+        let scene = loader.scene(
             name,
             &[("load.resistance_ohm", "inf"), ("run.settle_s", "0"), ("run.duration_s", "0.05")],
         )?;

@@ -115,6 +115,21 @@ impl Content {
         let [first, second] = &items[..] else { return None };
         Some([first.content.number()?, second.content.number()?])
     }
+
+    /// Multiplies each number by the factor of its key, which has a dot between its parts. The numbers of a list stay.
+    pub(super) fn scale(&mut self, key: &str, factor: &dyn Fn(&str) -> f64) {
+        match self {
+            Self::Number(value, text) if factor(key) != 1.0 => {
+                *value *= factor(key);
+                *text = value.to_string();
+            }
+            Self::Table(entries) => entries.iter_mut().for_each(|(name, node)| {
+                let key = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+                node.content.scale(&key, factor);
+            }),
+            _ => {}
+        }
+    }
 }
 
 #[cfg(test)]
