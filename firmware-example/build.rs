@@ -21,8 +21,7 @@ struct Memory {
     ram: (u32, u32),
 }
 
-/// The boards that QEMU emulates, one for each core, and the part of the binary `node_nrf52832`. The first one is the
-/// default.
+/// The boards that QEMU emulates, one for each core, and the part of the binary `node_nrf52832`. The first one is the default.
 const BOARDS: [Board; 6] = [
     // Cortex-M4F, STM32F405.
     Board { name: "netduinoplus2", target: "thumbv7em-none-eabihf", memory: None },

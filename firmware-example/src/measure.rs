@@ -71,8 +71,7 @@ fn measure(counter: &Counter, workload: &mut dyn Workload) {
 // It shows whether the host knows what a tick is worth on this board. An instruction per step is
 // the right answer, up to the reading of the counter and its resolution.
 
-/// Few, because the branches of the M0 are short, and so are those that the compiler puts around
-/// what looks like five lines to it.
+/// Few, because the branches of the M0 are short, and so are those that the compiler puts around what looks like five lines to it.
 const NOPS: u32 = 50;
 const ROUNDS: u32 = 20_000;
 /// With a decrement and a branch in each round.
@@ -129,8 +128,7 @@ impl Workload for Nops {
 const BITS: u32 = 24;
 const MASK: u32 = (1 << BITS) - 1;
 
-/// How often SysTick has passed zero. Only the exception writes it, so a load and a store are
-/// enough: the M0 has no atomic addition.
+/// How often SysTick has passed zero. Only the exception writes it, so a load and a store are enough: the M0 has no atomic addition.
 static WRAPS: AtomicU32 = AtomicU32::new(0);
 
 /// A running SysTick. There is one, because there is one `SYST`.

@@ -246,8 +246,7 @@ fn delivers(outcome: &Outcome) -> bool {
 /// How two runs differ, relative to the smaller energy of the two.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Difference {
-    /// Of the energies delivered; where none is, the larger of the relative differences of the largest motion and of the RMS
-    /// voltage.
+    /// Of the energies delivered; where none is, the larger of the relative differences of the largest motion and of the RMS voltage.
     whole: f64,
     /// The root of the sum of the squares of the differences in the parts of the window.
     parts: f64,
@@ -272,8 +271,7 @@ fn difference(one: &Outcome, two: &Outcome) -> Option<Difference> {
     (found.whole.is_finite() && found.parts.is_finite()).then_some(found)
 }
 
-/// The largest gap, displacement of the slider or displacement of the tip in m, and the RMS voltage in V; 0 where
-/// there is none.
+/// The largest gap, displacement of the slider or displacement of the tip in m, and the RMS voltage in V; 0 where there is none.
 fn motions(outcome: &Outcome) -> [f64; 2] {
     [outcome.largest_motion_m(), outcome.rms_voltage_v].map(|value| value.unwrap_or(0.0))
 }

@@ -166,8 +166,7 @@ pub(crate) fn ends(scene: &Scene, asked: &Options, starts: &[[f64; 2]], done: im
     starts.par_iter().map(end).collect::<Vec<_>>().into_iter().flatten().collect()
 }
 
-/// The scene with its window from an instant in s on, and from where the transients have decayed; `None` if that is far
-/// beyond its end.
+/// The scene with its window from an instant in s on, and from where the transients have decayed; `None` if that is far beyond its end.
 pub(crate) fn settled(scene: &Scene, outcome: &Outcome, from_s: f64) -> Option<Scene> {
     let (frequencies, damping_ratio) = resonances(scene, outcome);
     let settle_s = from_s.max(DECAY / (damping_ratio * TAU * frequencies.into_iter().reduce(f64::min)?));

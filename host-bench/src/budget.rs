@@ -180,8 +180,7 @@ impl<'a> Record<'a> {
         self.samples.push(Sample { second, stored_j, income_w });
     }
 
-    /// The day, with the rate of each action in 1/s that was predicted, the account of the storage, and the residual of
-    /// the budget.
+    /// The day, with the rate of each action in 1/s that was predicted, the account of the storage, and the residual of the budget.
     fn day(self, predicted: &[f64], account: StorageAccount, budget_ledger: Option<f64>) -> NodeDay {
         let storage = &self.node.storage;
         let actions = self.actions.iter().zip(predicted).zip(self.runs_by_hour);

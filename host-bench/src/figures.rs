@@ -110,8 +110,7 @@ impl Subject {
         }
     }
 
-    /// Makes its figures from the shipped scenes, on all cores; `done` is called after each run. Displaced starts are left out
-    /// for a `single_start`.
+    /// Makes its figures from the shipped scenes, on all cores; `done` is called after each run. A `single_start` has no displaced ones.
     pub fn build(self, single_start: bool, done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
         let mut chapter = match self {
             Self::Sliding => sliding::build(&shipped("sliding")?, done),

@@ -23,8 +23,7 @@ use system::{BaseAcceleration, State, System};
 /// Step of the implicit methods in s where none is given: as the core's method near contact.
 const DEFAULT_STEP_S: f64 = 1e-6;
 
-/// Step of the explicit method times the highest angular frequency where no step is given; the method is stable up to
-/// 2.78.
+/// Step of the explicit method times the highest angular frequency where none is given; the method is stable up to 2.78.
 const DEFAULT_RADIANS: f64 = 2.0;
 
 /// Runs the scene from its start to its end.

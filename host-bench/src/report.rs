@@ -12,6 +12,7 @@ use plotters::style::RGBColor;
 
 use self::chart::{Axis, Chart, Curve, Mark};
 pub(crate) use self::draw::draw;
+use self::file::refused;
 use self::page::{Page, escaped};
 pub(crate) use self::terminal::terminal;
 use crate::method::{Failure, Math, Method, Precision};
@@ -35,10 +36,9 @@ pub(crate) struct Picture {
 impl Picture {
     pub(crate) fn svg(&self) -> Result<String, Failure> {
         if self.charts.is_empty() && self.figure.is_none() {
-            return Err(Failure::Input("the picture cannot be drawn: there is nothing to show".to_owned()));
+            return Err(refused("there is nothing to show"));
         }
-        file::svg(self.width, &self.title, &self.charts, self.figure.as_ref())
-            .map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))
+        file::svg(self.width, &self.title, &self.charts, self.figure.as_ref()).map_err(refused)
     }
 
     pub(crate) fn page(&self) -> Result<String, Failure> {
@@ -55,10 +55,7 @@ impl Picture {
     pub(crate) fn add_to(&self, page: &mut Page) -> Result<(), Failure> {
         self.charts.iter().for_each(|chart| page.chart(chart));
         if self.charts.iter().any(|chart| !chart.is_of_page) {
-            let drawn = draw(self.width, "", &self.charts, None);
-            page.still(
-                &drawn.map_err(|reason| Failure::Input(format!("the picture cannot be drawn: {reason}")))?,
-            );
+            page.still(&draw(self.width, "", &self.charts, None).map_err(refused)?);
         }
         if let Some((_, figure)) = &self.figure {
             page.add(&format!("<figure>{figure}</figure>\n"));

@@ -5,8 +5,7 @@ use crate::method::{Failure, Method, Options};
 use crate::outcome::{Outcome, STABLE};
 use crate::scene_file::{BumpStop, BumpStopStart, Excitation, Load, Scene, Summary};
 
-/// Relative change of the base acceleration or of the start: far above the rounding of `f64`, far below any error that
-/// matters.
+/// Relative change of the base acceleration or of the start: far above the rounding of `f64`, far below any error that matters.
 pub(crate) const SHIFT: f64 = 1e-9;
 
 /// The scene with a base acceleration `1 + shift` times as large; `None` if the base is at rest.
@@ -105,8 +104,7 @@ impl Best<'_> {
         ))
     }
 
-    /// The verdict of shooting; `None` where there is none: without one sine, of a storage that fills, and by a method of the
-    /// host.
+    /// The verdict of shooting; `None` where there is none: without one sine, of a storage that fills, and by a method of the host.
     fn shot(&self) -> Option<&'static str> {
         let scene = &self.scene;
         scene.excitation.single_frequency()?;

@@ -248,8 +248,7 @@ pub(crate) fn length(scene: &Scene, extent: &Extent) -> usize {
 /// A round of repeats goes through all variants, so that a machine that is busy for a while slows all rows alike.
 ///
 /// # Errors
-/// [`Failure::Input`] if the scene is refused, [`Failure::Step`] if the reference fails. A variant that fails is a
-/// row that says so.
+/// [`Failure::Input`] if the scene is refused, [`Failure::Step`] if the reference fails. A variant that fails is a row that says so.
 pub(crate) fn compare(scene: &Scene, extent: &Extent, done: impl Fn()) -> Result<Comparison, Failure> {
     let kind = kind(scene);
     let reference = run_scene(scene, &Options { method: Method::Reference, ..Options::default() })?;

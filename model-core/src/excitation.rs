@@ -59,8 +59,7 @@ pub trait Excitation<S: Scalar> {
 
     /// Time derivative of the base acceleration in m/s³ just after `at`.
     ///
-    /// Called only if an event depends on the acceleration: while a mass sticks to its stop, or a slider
-    /// sticks by friction.
+    /// Called only if an event depends on the acceleration: while a mass sticks to its stop, or a slider sticks by friction.
     fn jerk(&self, at: Instant) -> S;
 
     /// The longest step, in ticks, that resolves the acceleration: 0.9 radians of the fastest sine.

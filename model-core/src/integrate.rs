@@ -106,8 +106,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// Error in joules of the integral of `powers[0]` over a step of `step` seconds to `state` that the
     /// rounding of the state causes; 0 where it is negligible.
     ///
-    /// Where a stiff equation determines a state, the rate of that state is a difference of roundings divided
-    /// by the step.
+    /// Where a stiff equation determines a state, the rate of that state is a difference of roundings divided by the step.
     #[inline]
     fn rounding_energy(&self, _state: &[S; N], _derivative: &[S; N], _step: S) -> S {
         S::ZERO
@@ -115,8 +114,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
 
     /// Whether the system states its split form, by the functions below: [`ExponentialRadau`] needs it.
     ///
-    /// The first two states of a split system are a position and its velocity. The others follow one linear circuit
-    /// equation.
+    /// The first two states of a split system are a position and its velocity. The others follow one linear circuit equation.
     const SPLIT: bool = false;
 
     /// Index of the state that the circuit equation determines.
@@ -171,8 +169,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
         None
     }
 
-    /// The integral of each power that is quadratic in the rate of the circuit, for an integral `square` of the squared
-    /// rate.
+    /// The integral of each power that is quadratic in the rate of the circuit, for an integral `square` of the squared rate.
     #[inline]
     fn quadratic_energies(&self, _square: S) -> [S; P] {
         [S::ZERO; P]
@@ -295,8 +292,7 @@ pub struct Trial<S, const N: usize, const P: usize> {
     pub energies: [S; P],
     /// Estimated local error of the state in the norm [`System::error_norm`]; 0 without an estimate.
     pub error: S,
-    /// Estimated local error of `energies[0]` in joules: the embedded formula's value less `energies[0]`; 0
-    /// without an estimate.
+    /// Estimated local error of `energies[0]` in joules: the embedded formula's value less `energies[0]`; 0 without an estimate.
     pub energy_error: S,
     /// Number of Newton iterations.
     pub iterations: u32,
@@ -394,8 +390,7 @@ pub trait Method<S: Scalar> {
     /// What the method computes of a step before its circuit.
     type Prediction: Copy;
 
-    /// The longest step in seconds of a system, whose angular frequency and that of the input are at most
-    /// `angular_frequency` in rad/s.
+    /// The longest step in seconds of a system, whose angular frequency and that of the input are at most `angular_frequency` in rad/s.
     #[inline(always)]
     fn longest_step<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,

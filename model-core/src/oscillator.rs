@@ -18,8 +18,7 @@ use crate::scalar::Scalar;
 /// Largest product of the step and a rate of the oscillator, or of a sine, for which the series have full accuracy.
 pub(crate) const LONGEST_RADIANS: f64 = 0.9;
 
-/// A damped linear oscillator under a base acceleration `a` and a further force per mass `f`:
-/// `x'' = −w (x − x0) − d x' − κ a + f`.
+/// A damped linear oscillator under a base acceleration `a` and a further force per mass `f`: `x'' = −w (x − x0) − d x' − κ a + f`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oscillator<S> {
     /// `w`, the square of the angular frequency, in 1/s².
@@ -156,8 +155,7 @@ impl<S: Scalar> Kernel<S> {
         }
     }
 
-    /// The response to the acceleration `start · cos Ωτ + rate · sin(Ωτ)/Ω` with `Ω` in rad/s, at any `Ω`, the
-    /// resonance included.
+    /// The response to the acceleration `start · cos Ωτ + rate · sin(Ωτ)/Ω` with `Ω` in rad/s, at any `Ω`, the resonance included.
     #[must_use]
     #[inline(always)]
     pub fn to_sine(&self, start: S, rate: S, angular_frequency: S) -> Response<S> {

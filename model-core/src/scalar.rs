@@ -76,8 +76,7 @@ pub trait Scalar:
 
     /// `value` rounded to nearest.
     ///
-    /// For literals in the source: the compiler folds the conversion, so an `f32` firmware links no
-    /// double-precision arithmetic.
+    /// For literals in the source: the compiler folds the conversion, so an `f32` firmware links no double-precision arithmetic.
     fn from_f64(value: f64) -> Self;
 
     /// `value` rounded to nearest.

@@ -204,8 +204,7 @@ pub trait Scene<S: Scalar, const N: usize, const P: usize>: Automaton<S, N, P, M
         control: &C,
     ) -> Result<HybridState<S, Self::Mode, N, P>, ParameterError<S>>;
 
-    /// Copies the storage of `before` into `state`, under a base acceleration in m/s². Without effect on a scene
-    /// without a storage.
+    /// Copies the storage of `before` into `state`, under a base acceleration in m/s². Without effect on a scene without a storage.
     fn keep_storage(
         &self,
         _before: &HybridState<S, Self::Mode, N, P>,

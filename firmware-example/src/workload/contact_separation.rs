@@ -27,8 +27,7 @@ pub const IMPACTING: Plan = Plan {
     quarters: 1,
     samples: 12,
 };
-/// 0.2 g at 20.51 Hz, where the motion under the force of the field is periodic: two periods are 39 samples of 400 a
-/// second.
+/// 0.2 g at 20.51 Hz, where the motion under the force of the field is periodic: two periods are 39 samples of 400 a second.
 pub const PASSIVE: Plan = Plan { frequency: 800.0 / 39.0, ..IMPACTING };
 /// [`IMPACTING`] for fifteen seconds, of which the last five are settled.
 pub const SETTLING: Plan = Plan { name: "settling", quarters: 20, samples: 3, ..IMPACTING };

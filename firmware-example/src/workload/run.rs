@@ -101,8 +101,7 @@ where
     }
 }
 
-/// Position in m, velocity in m/s, charge in units of the scene, current in these units a second, delivered energy
-/// in J.
+/// Position in m, velocity in m/s, charge in units of the scene, current in these units a second, delivered energy in J.
 pub fn triboelectric<A, M, C, O>(
     _: &Simulation<A, M, C, 3, 1>,
     state: &HybridState<f32, O, 3, 1>,

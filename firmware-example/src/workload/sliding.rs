@@ -14,8 +14,7 @@ use model_core::scene::sliding::{Choices, Parameters, Parts, PatchFriction, Star
 use super::run::{self, Building, Plan, Run, triboelectric_runs};
 use super::{Visit, Workload, show};
 
-/// 0.36 g at 18.373 Hz, the natural frequency: the slider lets go in the first period and slides from
-/// then on. Three seconds.
+/// 0.36 g at 18.373 Hz, the natural frequency: the slider lets go in the first period and slides from then on. Three seconds.
 pub const SLIDING: Plan =
     Plan { name: "sliding", amplitude: 3.5316, frequency: 18.373, velocity: 0.0, quarters: 1, samples: 12 };
 /// 0.30 g at 6 Hz: the slider sticks twice a period, for half of the time.

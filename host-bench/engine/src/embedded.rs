@@ -77,8 +77,7 @@ fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Res
     })
 }
 
-/// The periodic steady state of a scene under one sine, by shooting; the scene's own run where it has no
-/// stable orbit of one period.
+/// The periodic steady state of a scene under one sine, by shooting; the scene's own run where it has no stable orbit of one period.
 pub fn steady_state(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     match options.math {
         Some(Math::Libm) => steady_state_as::<Libm>(scene, options),

@@ -277,8 +277,7 @@ extern "C" fn fmi3DeserializeFMUState(
     })
 }
 
-/// Functions with one result. The caller removes arguments that a function does not name. An importer may need the symbols of
-/// all.
+/// Functions with one result. The caller removes arguments that a function does not name. An importer may need the symbols of all.
 macro_rules! constant {
     ($result:expr, $type:ty: $($name:ident)*) => {$(
         #[unsafe(no_mangle)]

@@ -280,8 +280,7 @@ fn halvings(system: &System, regime: &Regime, vector: &[f64], step: f64) -> u32 
 }
 
 impl Latches {
-    /// The first tick within `ticks` at which a guard is above zero after a rise, given the vectors at both
-    /// ends.
+    /// The first tick within `ticks` at which a guard is above zero after a rise, given the vectors at both ends.
     fn first_rise(
         &mut self,
         system: &System,

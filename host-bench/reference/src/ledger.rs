@@ -26,8 +26,7 @@ pub(super) mod integral {
     pub(crate) const SURFACE_WORK: usize = 4;
     /// Bump-stop: `∫ F dt` of the contact force in N s.
     pub(crate) const FORCE: usize = 4;
-    /// Triboelectric: work in J on the motion of the electrostatic force that conserves energy, whether it acts
-    /// or not.
+    /// Triboelectric: work in J on the motion of the electrostatic force that conserves energy, whether it acts or not.
     pub(crate) const FIELD_WORK: usize = 5;
     /// Bump-stop: `∫ v Σ θ r' dt` in J, the work of the beam on the charge.
     pub(crate) const COUPLING: usize = 5;
@@ -86,8 +85,7 @@ impl Ledger {
         }
     }
 
-    /// Compares the stored energy with the largest so far; a storage counts with its gain or loss since the
-    /// start.
+    /// Compares the stored energy with the largest so far; a storage counts with its gain or loss since the start.
     pub(super) fn compare(&mut self, [mechanical, electrical, storage]: [f64; 3]) {
         let stored = mechanical + electrical + (storage - self.start[2]).abs();
         self.peak_stored = self.peak_stored.max(stored);

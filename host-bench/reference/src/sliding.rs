@@ -220,8 +220,7 @@ impl Harvester for Sliding {
 }
 
 impl Sliding {
-    /// A slider without velocity sticks if static friction can hold it; otherwise it slips where it is driven,
-    /// equations (9) to (11).
+    /// A slider without velocity sticks if static friction can hold it; otherwise it slips where it is driven, equations (9) to (11).
     fn stop(&self, motion: &mut Motion, base: f64) -> Mode {
         motion.velocity = 0.0;
         if !self.is_frictionless() && self.reserve(motion, base) >= 0.0 {
@@ -241,8 +240,7 @@ impl Sliding {
 }
 
 /// Part of two patch radii that a displacement must not reach. A ten-millionth before its end the overlap is
-/// 4e-11 of a disc, and with it the time constant of the circuit: no device is left there, and no integrator
-/// can follow the rates.
+/// 4e-11 of a disc, and with it the time constant of the circuit: no device is left there, and no integrator can follow the rates.
 const REACH: f64 = 1.0 - 1e-7;
 
 #[derive(Debug, Clone, Copy, PartialEq)]

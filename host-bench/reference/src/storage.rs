@@ -68,8 +68,7 @@ impl Storage {
         if self.is_bus() { 0.0 } else { 0.5 * self.capacitance * voltage * voltage }
     }
 
-    /// Outcome of a run that ended at this voltage in V, with the energies in J lost in the diodes, leaked and
-    /// drawn.
+    /// Outcome of a run that ended at this voltage in V, with the energies in J lost in the diodes, leaked and drawn.
     pub(super) fn outcome(&self, voltage: f64, [diodes, leaked, drawn]: [f64; 3]) -> StoreOutcome {
         StoreOutcome {
             mean_store_current_a: None,

@@ -88,8 +88,7 @@ impl<H: Harvester> March<'_, H> {
         self.share();
     }
 
-    /// Flows through a stretch or to the first event, and gives the time of the event in s since the start of
-    /// the stretch.
+    /// Flows through a stretch or to the first event, and gives the time of the event in s since the start of the stretch.
     fn flow(&mut self, stretch: &Stretch) -> Result<Option<f64>, StepFailure> {
         let Stretch { start, span, base, .. } = stretch;
         let Self { harvester, meter, scales, tolerance, .. } = self;
@@ -136,8 +135,7 @@ impl<H: Harvester> March<'_, H> {
         self.meter.ledger.add(&shared);
     }
 
-    /// Sticks through a stretch or to the first event, and gives the time of the event in s since the start of
-    /// the stretch.
+    /// Sticks through a stretch or to the first event, and gives the time of the event in s since the start of the stretch.
     fn stick(&mut self, stretch: &Stretch) -> Option<f64> {
         let Stretch { start, span, base, .. } = stretch;
         let stick = Stick { harvester: self.harvester, base, start: self.motion };

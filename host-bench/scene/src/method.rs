@@ -117,8 +117,7 @@ pub enum Failure {
     /// The input is bad: exit code 2.
     #[error("{0}")]
     Input(String),
-    /// The scene could not be stepped to its end: exit code 3. The text has the error, the simulated time and the
-    /// state.
+    /// The scene could not be stepped to its end: exit code 3. The text has the error, the simulated time and the state.
     #[error("{0}")]
     Step(String),
     /// The run was stopped because it took more steps than it was allowed: exit code 3.

@@ -260,8 +260,7 @@ pub struct SlidingOutcome {
     pub amplitude_m: Option<f64>,
     /// Part of the window during which the slider sticks.
     pub stick_fraction: Option<f64>,
-    /// Entries into stick in the window over the periods in it; `None` unless the base moves in one
-    /// sine.
+    /// Entries into stick in the window over the periods in it; `None` unless the base moves in one sine.
     pub sticks_per_period: Option<f64>,
 }
 

@@ -94,8 +94,7 @@ impl Rainflow {
         if damage > 0.0 { ended.largest * (damage / seconds).powf(exponent.recip()) } else { 0.0 }
     }
 
-    /// Number of cycles, half cycles by their half, of at least a part of the largest range, from 0 to 1; the limit is
-    /// exact to 1 %.
+    /// Number of cycles, half cycles by their half, of at least a part of the largest range, from 0 to 1; the limit is exact to 1 %.
     pub fn cycles(&self, part: f64) -> f64 {
         let ended = self.ended();
         let limit = (CLASSES_PER_DOUBLING * (part * ended.largest).log2()).floor();

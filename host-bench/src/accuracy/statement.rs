@@ -32,8 +32,7 @@ const SHORTER: f64 = 2.0 / 3.0;
 const LONGEST: f64 = 0.5;
 /// Mean step in periods of the slowest oscillation above which its turns are missed.
 const QUARTER: f64 = 0.25;
-/// Step of a run to compare with, in periods of the slowest mode of a rod, above which impacts that follow each other in one are
-/// missed.
+/// Step of a run to compare with, in periods of a rod's slowest mode, above which impacts within one are missed.
 const HALF: f64 = 0.5;
 /// Intervals of the smoother trace in one of the given trace.
 const FINER: usize = 4;
@@ -152,8 +151,7 @@ fn by_coarser_steps(runs: &mut Runs<'_>, double: &Options, alike: &Outcome) -> f
     COARSER.into_iter().filter_map(of).fold(0.0, f64::max)
 }
 
-/// Whether a bump-stop run has steps that are longer than the default ones: too few steps for a period have errors that half the
-/// step does not show.
+/// Whether a bump-stop run has longer steps than the default ones: half the step does not show the errors of too few for a period.
 fn is_coarse(scene: &Scene, options: &Options) -> bool {
     has_own_steps(scene, options) && options.step_s.is_some_and(|step_s| step_s > DEFAULT_SHORT_STEP_S)
 }

@@ -117,8 +117,7 @@ pub fn imbalance(outcome: &Outcome) -> Option<String> {
     })
 }
 
-/// The warning of a delivered energy that is lost in the rounding of the energies exchanged: runs to compare with may
-/// round alike.
+/// The warning of a delivered energy that is lost in the rounding of those exchanged: runs to compare with may round alike.
 pub(super) fn unresolved(scene: &Scene, outcome: &Outcome) -> Option<String> {
     let flow = outcome.flow.as_ref()?;
     let delivered_j = outcome.delivered_energy_j.filter(|&energy| energy > 0.0)?;

@@ -221,8 +221,7 @@ impl NodeDay {
     }
 
     /// The whole text, line break at its end included. In JSON the actions, what is done to know the income, and the
-    /// figures of the parts are lists of objects; in the other formats the name of an action is a prefix of the names of
-    /// its values.
+    /// figures of the parts are lists of objects; in the other formats the name of an action is a prefix of the names of its values.
     pub(crate) fn text(&self, source: &Source, format: Format) -> String {
         let mut all = self.fields(source);
         if format == Format::Json {

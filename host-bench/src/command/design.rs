@@ -41,8 +41,7 @@ pub struct ReportArguments {
     /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
-    /// A key that varies from part to part, as in tolerance; repeat it [default: the frequency by 1 %, the load
-    /// resistance by 5 %]
+    /// A key that varies from part to part, as in tolerance; repeat it [default: the frequency by 1 %, the load resistance by 5 %]
     #[arg(long = "vary", value_name = "KEY=±BOUND[%][:normal]")]
     varied: Vec<Varied>,
     /// Samples of the tolerance

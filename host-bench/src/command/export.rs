@@ -21,8 +21,7 @@ pub struct ExportArguments {
     /// Write the harvester as a subcircuit of SPICE to this file: two terminals and a pin of the base acceleration
     #[arg(long, value_name = "FILE.cir", required_unless_present = "fmu")]
     spice: Option<PathBuf>,
-    /// Write a deck that runs the subcircuit with load, excitation and window of the scene to this file, in the same
-    /// folder
+    /// Write a deck that runs the subcircuit with load, excitation and window of the scene to this file, in the same folder
     #[arg(long, value_name = "FILE.cir", requires = "spice")]
     deck: Option<PathBuf>,
     /// Write the harvester as an FMU of FMI 3.0 for co-simulation on x86-64 Linux to this file

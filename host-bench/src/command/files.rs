@@ -143,8 +143,7 @@ impl Outputs {
         filled.map_err(|error| refuse(format!("cannot be written: {error}")))
     }
 
-    /// As [`Outputs::write`], of a command that prints its result whether or not the file can be written, and then fails by
-    /// [`Outputs::ended`].
+    /// As [`Outputs::write`], of a command that prints its result without the file too, and then fails by [`Outputs::ended`].
     pub(crate) fn keep(&self, file: &Path, bytes: impl AsRef<[u8]>) {
         if let Err(failure) = self.write(file, bytes) {
             self.failed.borrow_mut().get_or_insert(failure);

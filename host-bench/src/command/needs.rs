@@ -296,8 +296,7 @@ fn object(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
     })
 }
 
-/// One table of CSV. The column `table` has the list of the JSON object that a row is of; a cell is empty where that list
-/// has no such column.
+/// One table of CSV. The column `table` has the list of the JSON object that a row is of; cells that this lacks are empty.
 fn csv_text(parts: &[Finding], numerics: &[Numerics], on_core: &[Cost]) -> String {
     let mut rows: Vec<Fields> = Vec::new();
     let mut add = |table: &str, row: Fields| {

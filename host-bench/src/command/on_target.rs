@@ -23,8 +23,7 @@ use crate::on_target::{Bench, Error, day};
 use crate::outcome;
 use rows::{Case, Column, RADAU, Row, Steps};
 
-/// Build the firmware for each core, run it under QEMU, check its bits against the host, and report
-/// instructions, flash, RAM and stack.
+/// Build the firmware for each core, run it under QEMU, check its bits against the host, and report instructions, flash, RAM and stack.
 #[derive(Debug, Clone, Args)]
 pub struct OnTargetArguments {
     /// The cores, separated by commas [default: all; M4F where one of the options below is given]

@@ -58,8 +58,7 @@ pub struct PlotArguments {
     /// What to show, separated by commas [default: all]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "VIEW")]
     view: Vec<View>,
-    /// Columns of the time histories, separated by commas; the spectrum is that of the last [default: position, force,
-    /// power, voltage]
+    /// Columns of the time histories, separated by commas; the spectrum is that of the last [default: position, force, power, voltage]
     #[arg(long, value_delimiter = ',', value_name = "COLUMN")]
     quantity: Vec<String>,
     /// First instant in s of time histories and phase portrait [default: six periods before the end]

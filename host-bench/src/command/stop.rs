@@ -195,8 +195,7 @@ fn numbers(outcome: &Outcome) -> Result<Fields, Failure> {
     Ok(numbers)
 }
 
-/// A row with what the stop saves and costs: parts of the values without it, `null` in the row without it and where
-/// these values are 0.
+/// A row with what the stop saves and costs: parts of the values without it, `null` in the row without it and where these values are 0.
 fn fields(axes: &[Axis], row: &Row, rows: &[Row]) -> Fields {
     let keys = axes.iter().map(|axis| axis.key.clone());
     let mut fields: Fields = keys.zip(row.values.iter().map(|value| json!(value))).collect();

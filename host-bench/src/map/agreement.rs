@@ -51,8 +51,7 @@ pub struct Agreement {
     pub largest: f64,
     /// Share of the places at which the bounds hold.
     pub bounds_hold: f64,
-    /// Share of the places more than 10 % of the amplitude from a boundary at which the map has the motions that there
-    /// are.
+    /// Share of the places more than 10 % of the amplitude from a boundary at which the map has the motions that there are.
     pub regime_right: f64,
     /// Number of those places.
     pub far_places: usize,

@@ -230,8 +230,7 @@ pub(super) fn logarithms(branch: &[(f64, f64)]) -> Vec<(f64, f64)> {
     branch.iter().filter(|(_, value)| *value > 0.0).map(|&(at, value)| (at, value.log2())).collect()
 }
 
-/// The value at a level: linear between the points, beyond the lower end along the first line, beyond the upper end as at
-/// the end.
+/// The value at a level: linear between the points, beyond the lower end along the first line, beyond the upper end as at the end.
 pub(super) fn between(points: &[(f64, f64)], level: f64) -> f64 {
     let above = points.partition_point(|point| point.0 <= level);
     match (points, above.checked_sub(1)) {

@@ -375,8 +375,7 @@ pub(super) fn bounds(content: &Content<'_>, judged: &[Judged]) -> Vec<SliceBound
         .collect()
 }
 
-/// The largest of each part and of those beside it in the same rows, with an allowance; of all parts where none of these
-/// was measured.
+/// The largest of each part and of those beside it in the same rows, with an allowance; of all parts where none of these was measured.
 fn spread(largest: &[Option<[f64; 2]>; BOUNDS]) -> Bounds {
     let half = BOUNDS / 2;
     std::array::from_fn(|part| {

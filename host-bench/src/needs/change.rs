@@ -77,8 +77,7 @@ impl Change {
         }
     }
 
-    /// The largest of the changes that decide: power, RMS voltage and storage. Where the full scene has none of them, the
-    /// displacement.
+    /// The largest of the changes that decide: power, RMS voltage and storage. Where the full scene has none of them, the displacement.
     pub(crate) fn largest(&self) -> f64 {
         let electrical = [self.mean_power, self.rms_voltage, self.store_voltage];
         let magnitudes = electrical.into_iter().flatten().map(f64::abs);
@@ -146,8 +145,7 @@ const DISTANCE: f64 = 1e-4;
 pub(super) const FEWEST_RUNS: usize = 4;
 const MOST_RUNS: usize = 512;
 const MOST_STEPS: u64 = 1 << 26;
-/// Part of the variance of independent runs below which that of the differences is no chance: of four runs in one of a
-/// thousand cases.
+/// Part of the variance of independent runs below which that of the differences is no chance: of four runs in one of a thousand cases.
 const IN_COMMON: f64 = 0.01;
 /// Confidence of the intervals.
 const CONFIDENCE: f64 = 0.95;
@@ -225,8 +223,7 @@ pub(super) fn relative_deviation(values: &[f64]) -> f64 {
 }
 
 /// The relative change from the mean of `full` to that of `runs`, and half its 95 % interval by Student's t. Where runs at
-/// the same places have most of their scatter in common, they are compared with each other: it cancels. `None` where both
-/// means are 0.
+/// the same places have most of their scatter in common, they are compared with each other: it cancels. `None` where both means are 0.
 pub(super) fn change(full: &[f64], runs: &[f64]) -> Option<[f64; 2]> {
     let apart = Apart::of(full, runs)?;
     let alike = full.get(..runs.len()).filter(|_| runs.len() > 1).and_then(|full| {

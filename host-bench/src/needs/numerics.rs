@@ -114,8 +114,7 @@ fn work_of_step(method: Method) -> f64 {
 }
 
 /// The loosest setting of each method and precision that holds the accuracy for a scene, which is chaotic or not, against
-/// the full one, that of the least work first. The order does not depend on the host. A setting holds if the next tighter
-/// one does too.
+/// the full one, that of the least work first. The order does not depend on the host. A setting holds if the next tighter one does too.
 pub(crate) fn cheapest(
     study: &Study,
     (scene, is_chaotic): (&Scene, bool),

@@ -265,8 +265,7 @@ fn changes_under_a_shift(scene: &Scene, run: &Outcome, options: &Options, accura
     })
 }
 
-/// The statement of one run of a chaotic scene, for its sources of error besides the step; the total is unknown if one of
-/// them is.
+/// The statement of one run of a chaotic scene, for its sources of error besides the step; the total is unknown if one of them is.
 fn others(scene: &Scene, options: &Options) -> Result<Accuracy, Failure> {
     let has_none = matches!(scene.model, Model::BumpStop(_)) && !scene.excitation.is_recorded();
     let none = Accuracy { step: Some(0.0), ..Accuracy::default() };

@@ -21,8 +21,7 @@ const FOLLOWED: usize = 4;
 const LISTED: f64 = 0.5;
 /// Runs of one search for each key.
 const RUNS: usize = 40;
-/// Most further searches from the best point, where there are several keys, and the part of the value that one must gain for
-/// the next.
+/// Most further searches from the best point, where there are several keys, and the part of the value that one must gain for the next.
 const AGAIN: usize = 6;
 const GAIN: f64 = 1e-4;
 /// Part of a range to which a key is narrowed down.
@@ -305,8 +304,7 @@ fn nowhere(request: &Request<'_>, points: &[Point]) -> Failure {
     Failure::Step(format!("--subject-to: no point of {} keeps all constraints{place}", points.len()))
 }
 
-/// For each key the range around the best point, the others held, in which the value stays within 1 % and the constraints
-/// are kept.
+/// For each key the range around the best point, the others held, in which the value stays within 1 % and the constraints are kept.
 fn flat(request: &Request<'_>, best: &Point) -> Vec<[f64; 2]> {
     let Some(value) = best.value() else { return Vec::new() };
     let least = value - FLAT * value.abs();

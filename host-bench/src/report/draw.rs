@@ -274,8 +274,7 @@ fn level(points: &mut Vec<[i64; 2]>) {
     *points = thinned;
 }
 
-/// A path through the points, with gaps at those that are no number, or of dots at them, to a tenth of a pixel; dots in one
-/// place are drawn once.
+/// A path through the points, with gaps at those that are no number, or of dots, to a tenth of a pixel; equal dots are drawn once.
 fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<Item = [f64; 2]>) {
     if let Mark::Rings(width) = mark {
         let points: Vec<[f64; 2]> = points.collect();

@@ -67,8 +67,7 @@ pub(crate) fn svg(
 }
 
 impl Picture {
-    /// The bytes of a file of this name: a page if it ends in `.html`, with the feature `images` also a PDF or a PNG, else an
-    /// SVG.
+    /// The bytes of a file of this name: a page if it ends in `.html`, with the feature `images` a PDF or a PNG too, else an SVG.
     pub(crate) fn of_file(&self, file: &Path) -> Result<Vec<u8>, Failure> {
         let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         match ending.as_deref() {
@@ -82,6 +81,11 @@ impl Picture {
     }
 }
 
+/// Why a picture cannot be drawn.
+pub(super) fn refused(reason: impl std::fmt::Display) -> Failure {
+    Failure::Input(format!("the picture cannot be drawn: {reason}"))
+}
+
 /// Pictures as PDF and PNG, made from their SVG by the crates `svg2pdf` and `resvg`.
 #[cfg(feature = "images")]
 mod images {
@@ -89,31 +93,24 @@ mod images {
     use resvg::usvg::{Options, Tree, fontdb};
     use svg2pdf::{ConversionOptions, PageOptions};
 
-    use crate::method::Failure;
+    use super::{Failure, refused};
 
     /// Pixels of an inch of an SVG without units, as CSS has it.
     const DPI: f32 = 96.0;
 
-    /// Pixels of an inch of a PNG with a printed width.
-    const PRINTED_DPI: f32 = 300.0;
-
-    /// Pixels of a PNG for one of a picture without a printed width.
-    const SCALE: f32 = 2.0;
-
     pub(super) fn pdf(svg: &str) -> Result<Vec<u8>, Failure> {
         let page = PageOptions { dpi: DPI };
-        svg2pdf::to_pdf(&tree(svg)?, ConversionOptions::default(), page).map_err(|error| refused(&error))
+        svg2pdf::to_pdf(&tree(svg)?, ConversionOptions::default(), page).map_err(refused)
     }
 
+    /// Two pixels for each of the SVG, 300 an inch of one with a printed width.
     pub(super) fn png(svg: &str, is_printed: bool) -> Result<Vec<u8>, Failure> {
-        let tree = tree(svg)?;
-        let scale = if is_printed { PRINTED_DPI / DPI } else { SCALE };
+        let (tree, scale) = (tree(svg)?, if is_printed { 300.0 / DPI } else { 2.0 });
         let size = tree.size().to_int_size().scale_by(scale);
-        let mut pixels = size
-            .and_then(|size| Pixmap::new(size.width(), size.height()))
-            .ok_or_else(|| refused(&"its size is none that a PNG can have"))?;
+        let pixels = size.and_then(|size| Pixmap::new(size.width(), size.height()));
+        let mut pixels = pixels.ok_or_else(|| refused("its size is none that a PNG can have"))?;
         resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
-        pixels.encode_png().map_err(|error| refused(&error))
+        pixels.encode_png().map_err(refused)
     }
 
     /// The drawing with its text in a font of the machine.
@@ -121,21 +118,15 @@ mod images {
         let mut options = Options { dpi: DPI, ..Options::default() };
         let fonts = options.fontdb_mut();
         fonts.load_system_fonts();
-        let is_found = |fonts: &fontdb::Database, family| {
-            fonts.query(&fontdb::Query { families: &[family], ..fontdb::Query::default() }).is_some()
-        };
-        if !is_found(fonts, fontdb::Family::SansSerif) {
+        let sans = fontdb::Query { families: &[fontdb::Family::SansSerif], ..fontdb::Query::default() };
+        if fonts.query(&sans).is_none() {
             // Text in a family that is missing would be left out of the picture.
             let first = fonts.faces().find(|face| !face.monospaced).and_then(|face| face.families.first());
-            let (family, _) =
-                first.cloned().ok_or_else(|| refused(&"this machine has no font; .svg needs none"))?;
-            fonts.set_sans_serif_family(family);
+            let family =
+                first.cloned().ok_or_else(|| refused("this machine has no font; .svg needs none"))?;
+            fonts.set_sans_serif_family(family.0);
         }
-        Tree::from_str(svg, &options).map_err(|error| refused(&error))
-    }
-
-    fn refused(reason: &dyn std::fmt::Display) -> Failure {
-        Failure::Input(format!("the picture cannot be drawn: {reason}"))
+        Tree::from_str(svg, &options).map_err(refused)
     }
 }
 

@@ -113,8 +113,7 @@ pub(crate) fn words_and_unit(key: &str) -> (String, String) {
 /// Table whose name says nothing of its keys.
 const PLAIN: &str = "parameters";
 
-/// A key such as `load.resistance_ohm` in words with its unit: `load resistance [Ω]`. The key itself where it has no unit of
-/// its own.
+/// A key such as `load.resistance_ohm` in words with its unit: `load resistance [Ω]`. The key itself where it has no unit of its own.
 pub(crate) fn label(key: &str) -> String {
     let rows = rows_of(key);
     // A key whose unit depends on the kind of its table has none.

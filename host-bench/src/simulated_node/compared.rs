@@ -176,8 +176,7 @@ pub struct Totals {
     pub share: f64,
     pub shunted: f64,
     pub actions: u32,
-    /// Of an oracle that ends each run with as much, up to the reserve; `None` if one of the runs has no schedule without a
-    /// lock-out.
+    /// Of an oracle that ends each run with as much, up to the reserve; `None` if one of the runs has no schedule without a lock-out.
     pub actions_of_oracle: Option<u32>,
     pub lock_outs: u32,
 }

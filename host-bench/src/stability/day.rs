@@ -16,8 +16,7 @@ pub(crate) const DAY_S: f64 = 86_400.0;
 const CLAIMED: f64 = 1e-3;
 /// That of the triboelectric runs in double precision.
 const EXACT: f64 = 1e-6;
-/// Steps of bump-stop in s, near contact and in free flight: those of the firmware, and those with which `run` claims
-/// an error of 10⁻³.
+/// Steps of bump-stop in s, near contact and in free flight: those of the firmware, and those with which `run` claims an error of 10⁻³.
 const FIRMWARE_STEPS_S: [f64; 2] = [13e-6, 180e-6];
 const FINE_STEPS_S: [f64; 2] = [0.25e-6, 5e-6];
 /// Part of the day for which the latter run, ten minutes: a day of them takes four hours of a core.

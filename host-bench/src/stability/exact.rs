@@ -136,8 +136,7 @@ pub(super) fn by_reference(scene: &Scene, most_attempts: u64, tolerance: f64) ->
     Numbers::of(&reference::run(scene, &options).ok()?)
 }
 
-/// A scene in double precision with a tighter tolerance, or shorter steps, than `options`; `None` if it does not come
-/// to its end.
+/// A scene in double precision with a tighter tolerance, or shorter steps, than `options`; `None` if it does not come to its end.
 pub(super) fn tighter(scene: &Scene, options: &Options, halvings: [u32; 2]) -> Option<Numbers> {
     let is_bump_stop = matches!(scene.model, Model::BumpStop(_));
     let more = halvings[usize::from(is_bump_stop)];

@@ -14,8 +14,7 @@ use crate::outcome::{cell, csv_line, fields, name, small, table};
 const KINDS: [&str; 3] = ["contact-separation", "sliding", "bump-stop"];
 const PRECISIONS: [&str; 2] = ["f32", "f64"];
 
-/// Counts of each class, of each cause of a named error, how the statements compare with the errors, and each failing
-/// case.
+/// Counts of each class, of each cause of a named error, how the statements compare with the errors, and each failing case.
 pub(crate) fn summary(rows: &[Finding]) -> String {
     let failing = rows.iter().filter(|row| row.class.is_failure());
     let lines = failing.map(|row| format!("\n{}: {}\n{}\n", row.number, row.reason, row.arguments));

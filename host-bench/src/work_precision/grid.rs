@@ -243,8 +243,7 @@ pub(crate) fn cells(overrides: &[Override]) -> Result<Vec<Cell>, Failure> {
     Ok(cells)
 }
 
-/// A shipped scene with a load and a force law, under its own sine or one of another amplitude in g and frequency in
-/// Hz.
+/// A shipped scene with a load and a force law, under its own sine or one of another amplitude in g and frequency in Hz.
 fn cell(
     name: &'static str,
     force_law: &'static str,

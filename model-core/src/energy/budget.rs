@@ -21,8 +21,7 @@ pub struct BudgetParameters<S> {
     pub storage: StorageParameters<S>,
     /// The memory of the income.
     pub income: IncomeParameters<S>,
-    /// Upper bound of the power in W that the load draws without any action, including the quiescent currents
-    /// of converters; 0 to 10⁶.
+    /// Upper bound of the power in W that the load draws without any action, including the quiescent currents of converters; 0 to 10⁶.
     pub standing_power: S,
 }
 
@@ -293,8 +292,7 @@ impl<S: Scalar, const SLOTS: usize> Budget<S, SLOTS> {
         left >= self.storage.lock_out() + rounding
     }
 
-    /// Advances the storage by the interval of `relaxation`, with the pending energy; `income` and `standing` are in J at
-    /// the storage.
+    /// Advances the storage by the interval of `relaxation`, with the pending energy; `income` and `standing` are in J at the storage.
     fn move_store(
         &self,
         state: &mut BudgetState<S, SLOTS>,

@@ -144,8 +144,7 @@ impl<'a, S: Scalar, const SLOTS: usize> Forecast<'a, S, SLOTS> {
     /// Whether the storage can serve a load in W for ever if every day is like the coming one.
     ///
     /// It can if some energy up to the present one is enough for the day, and the day ends with no less: then
-    /// all later days do. The gain of a day does not grow with the energy at its start, so the least
-    /// sufficient energy decides.
+    /// all later days do. The gain of a day does not grow with the energy at its start, so the least sufficient energy decides.
     pub(super) fn sustain(&self, energy: S, load: S, floor: S) -> bool {
         let rounding = S::from_f64(8.0) * S::EPSILON * self.storage.capacity();
         self.needed(load, floor).is_some_and(|needed| {

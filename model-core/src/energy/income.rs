@@ -110,8 +110,7 @@ impl<S: Scalar, const SLOTS: usize> IncomeState<S, SLOTS> {
         self.mean[0]
     }
 
-    /// Expected mean power of a slot in W: the mean of that slot, or the exponentially weighted mean for a
-    /// slot without an observation.
+    /// Expected mean power of a slot in W: the mean of that slot, or the exponentially weighted mean for a slot without an observation.
     pub(crate) fn expected_power(&self, slot: usize) -> S {
         match self.slots.get(slot) {
             Some(&learnt) if learnt >= S::ZERO => learnt,

@@ -9,8 +9,7 @@ use crate::scalar::Scalar;
 /// Largest number of guards of a mode: each has a bit in the set of guards located in a step.
 pub(super) const MOST_GUARDS: usize = 32;
 
-/// Most attempts to locate the events of one step. Newton's iteration needs two or three per event; bisection
-/// of 2³² ticks needs 32.
+/// Most attempts to locate the events of one step. Newton's iteration needs two or three per event; bisection of 2³² ticks needs 32.
 pub(super) const MOST_ATTEMPTS: u32 = 40;
 
 /// The result of a search.

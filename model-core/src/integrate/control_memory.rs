@@ -44,8 +44,7 @@ impl<S: Scalar> ControlMemory<S> {
         (self.ticks, self.previous, self.rejections) = (before.ticks, before.previous, before.rejections);
     }
 
-    /// The longest step in ticks if an event is soon: an eighth longer if the last error was below half of the allowed
-    /// one.
+    /// The longest step in ticks if an event is soon: an eighth longer if the last error was below half of the allowed one.
     #[inline(always)]
     pub(crate) fn stretched(&self, ticks: u32) -> u32 {
         // A stretched step that is rejected is not stretched again.
@@ -53,8 +52,7 @@ impl<S: Scalar> ControlMemory<S> {
         if has_margin { ticks.saturating_add(ticks >> 3) } else { ticks }
     }
 
-    /// Records an attempt of `ticks` with an error of `ratio` times the allowed one, and the length `next` of
-    /// the next attempt.
+    /// Records an attempt of `ticks` with an error of `ratio` times the allowed one, and the length `next` of the next attempt.
     #[inline]
     pub(super) fn reject(&mut self, ticks: u32, ratio: f32, next: u32) {
         if self.rejections == 0 {

@@ -138,8 +138,7 @@ impl<S: Scalar> Cubic<S> {
         }
     }
 
-    /// A guess of the θ at which a cubic that starts above zero falls through zero, or the θ of a minimum at or below
-    /// `margin`.
+    /// A guess of the θ at which a cubic that starts above zero falls through zero, or the θ of a minimum at or below `margin`.
     #[cold]
     pub(crate) fn approximate_fall(&self, margin: S) -> Option<S> {
         if self.end > S::ZERO {

@@ -37,8 +37,7 @@ pub(crate) struct ContactStep<S> {
     pub(crate) gap: S,
 }
 
-/// The response of the gap coordinate to the force of a step, in m/N; of another coordinate in its unit, or to another
-/// cause.
+/// The response of the gap coordinate to the force of a step, in m/N; of another coordinate in its unit, or to another cause.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Flexibility<S> {
     /// `a > 0`: fall of the gap at the end per mean force.
@@ -70,8 +69,7 @@ impl<S: Scalar> Flexibility<S> {
     }
 }
 
-/// A step without contact force: gap coordinates in m at the start and at the end, and the first moment in m of the
-/// rate.
+/// A step without contact force: gap coordinates in m at the start and at the end, and the first moment in m of the rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Approach<S> {
     pub(crate) gap: S,
@@ -79,8 +77,7 @@ pub(crate) struct Approach<S> {
     pub(crate) moment: S,
 }
 
-/// The contact of a step that touches: the gap is closed at the start or would be at the end. `stiffness` is `k` in
-/// N/m.
+/// The contact of a step that touches: the gap is closed at the start or would be at the end. `stiffness` is `k` in N/m.
 #[inline]
 pub(crate) fn contact_step<S: Scalar>(
     approach: &Approach<S>,
@@ -185,8 +182,7 @@ fn lift_off_ramp<S: Scalar>(
     (end <= S::ZERO).then(|| ContactStep { force, tilt: ratio * force, gap: end })
 }
 
-/// As [`contact_step`] with a constant force, which is continuous in the gap that is predicted. `flexibility` is
-/// `a > 0` in m/N.
+/// As [`contact_step`] with a constant force, which is continuous in the gap that is predicted. `flexibility` is `a > 0` in m/N.
 #[cold]
 pub(crate) fn constant_force<S: Scalar>(
     gap: S,

@@ -67,8 +67,7 @@ pub struct DenseFactor<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> DenseFactor<S, N> {
-    /// Factors `I − weight · jacobian`, with `jacobian[i][j] = ∂f_i/∂y_j`; `None` if the matrix is singular
-    /// or not finite.
+    /// Factors `I − weight · jacobian`, with `jacobian[i][j] = ∂f_i/∂y_j`; `None` if the matrix is singular or not finite.
     #[must_use]
     #[inline]
     pub fn new(jacobian: &[[S; N]; N], weight: S) -> Option<Self> {

@@ -56,8 +56,7 @@ const SERIES_ANGLE: f64 = 2.0;
 const SERIES_TERMS: u32 = 24;
 
 impl<S: Scalar> ModalStep<S> {
-    /// The coefficients for an angular frequency `ω > 0` in rad/s, a damping ratio `0 ≤ ζ < 1` and a step `h
-    /// > 0` in seconds.
+    /// The coefficients for an angular frequency `ω > 0` in rad/s, a damping ratio `0 ≤ ζ < 1` and a step `h > 0` in seconds.
     pub(crate) fn new(angular_frequency: S, damping_ratio: S, step: S) -> Self {
         let square = angular_frequency * angular_frequency;
         let twice_damping = S::from_f64(2.0) * damping_ratio * angular_frequency;

@@ -63,8 +63,7 @@ struct Stage<'a, S, Y, F, const N: usize, const P: usize> {
 }
 
 impl<S: Scalar, Y, F, const N: usize, const P: usize> Stage<'_, S, Y, F, N, P> {
-    /// Solves the stage from the guess `z` to `accuracy`, with the error norm at the start. Returns `z` and the number
-    /// of iterations.
+    /// Solves the stage from the guess `z` to `accuracy`, with the error norm at the start. Returns `z` and the number of iterations.
     #[inline]
     fn solve(&self, mut z: [S; N], accuracy: S) -> Result<([S; N], u32), NotConverged>
     where

@@ -5,8 +5,7 @@ use crate::snapshot::{NUMBERED, SnapshotError, image_size, newest_slot, number, 
 
 /// The hardware of a node.
 ///
-/// [`Runner`] calls it. Firmware that is driven by interrupts or an executor calls its [`Tier`] itself and has no need of
-/// this trait.
+/// [`Runner`] calls it. Firmware that is driven by interrupts or an executor calls its [`Tier`] itself and has no need of this trait.
 pub trait Board {
     /// Sleeps for at most `seconds`, or until the sensor, if it is on, has about `samples`. Returns the second of the clock.
     fn sleep(&mut self, seconds: u32, samples: u32) -> u32;

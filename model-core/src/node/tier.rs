@@ -84,8 +84,7 @@ pub struct Status {
     pub verdict: Verdict,
 }
 
-/// Whether the harvested power is above what leaves the storage without an action: at a cold start, whether the node lives on or falls back
-/// into the lock-out.
+/// Whether the harvested power is above what leaves the storage without an action: at a cold start, whether the node lives on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
@@ -330,8 +329,7 @@ snapshot_fields!(impl [] IncomeOfTime { seconds, energy, bound, silent });
 pub enum StoreReading {
     /// It gave the income.
     Used,
-    /// The storage may have been full since the reading before, or its energy was not known: the reading says nothing about
-    /// the income.
+    /// The storage may have been full since the reading before, or its energy was not known: it says nothing about the income.
     #[default]
     Silent,
     /// It did not come, was at an end of the converter, or so far off that the next reading must confirm it.

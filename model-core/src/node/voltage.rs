@@ -47,8 +47,7 @@ pub struct VoltageNode<const ACTIONS: usize, E: Element = CapacitorElement> {
     parameters: VoltageParameters<ACTIONS>,
     element: E,
     full_code: u32,
-    /// Variances of a reading over the square of the slope, of a capacitor in J over the energy: of one, and of what lasts from one to
-    /// the next.
+    /// Variances of a reading over the square of the slope, of a capacitor in J over the energy: of one, and of what lasts.
     noise: f32,
     lasting: f32,
     /// Energy from which on the storage may be full, and at the lock-out.
@@ -324,8 +323,7 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         }
     }
 
-    /// Takes in a reading of the voltage. `beside` is what else says something of the income since the last one, which a storage that
-    /// may be full asks for.
+    /// Takes in a reading of the voltage. A storage that may be full asks `beside` for what else says something of the income since the last one.
     #[inline(never)]
     fn observe<B>(&self, state: &mut VoltageState<ACTIONS>, code: u32, beside: B)
     where
@@ -416,8 +414,7 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         (room / (2.0 * state.income)).to_u32().max(shortest).min(longest)
     }
 
-    /// Energy in J above the lock-out if there was no income since the last reading, less than any before the first, and the square of its
-    /// bound.
+    /// Energy in J above the lock-out without income since the last reading, less than any before the first, and the square of its bound.
     fn spare(&self, state: &VoltageState<ACTIONS>) -> [f32; 2] {
         let above = state.energy() - self.lock_out;
         let variance = state.variance + self.scale * above * above;

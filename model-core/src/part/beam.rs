@@ -187,8 +187,7 @@ impl<S: Scalar> BeamMode<S> {
 
 /// Root `number` of the characteristic equation, divided by `cosh λ`, for the mass ratio `ratio`.
 ///
-/// Each root lies between that of a pinned end (infinite tip mass) and that of a free end. Bisection to
-/// neighbouring numbers.
+/// Each root lies between that of a pinned end (infinite tip mass) and that of a free end. Bisection to neighbouring numbers.
 fn eigenvalue<S: Scalar>(number: u32, ratio: S) -> S {
     let pi = S::from_f64(core::f64::consts::PI);
     let count = S::from_u32(number);

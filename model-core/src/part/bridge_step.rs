@@ -254,8 +254,7 @@ mod tests {
         FullBridge { diode_drop: 0.3, storage }
     }
 
-    /// Reference by small increments of charge: mean voltage, mean square, charge that has passed, and energy
-    /// delivered to the storage.
+    /// Reference by small increments of charge: mean voltage, mean square, charge that has passed, and energy delivered to the storage.
     fn walked(capacitance: f64, voltage: f64, start: f64, charge: f64) -> [f64; 4] {
         let count = 400_000;
         let piece = charge / f64::from(count);

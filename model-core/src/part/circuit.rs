@@ -89,8 +89,7 @@ pub struct LinearCircuitStep<S> {
     pub square_by_bend: S,
 }
 
-/// Ratio of step to time constant below which the closed forms of [`LinearCircuitStep`] cancel, and number of terms
-/// of its series.
+/// Ratio of step to time constant below which the closed forms of [`LinearCircuitStep`] cancel, and number of terms of its series.
 const LINEAR_SERIES_RATIO: f64 = 2.0;
 const LINEAR_SERIES_TERMS: u32 = 26;
 

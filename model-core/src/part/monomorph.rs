@@ -82,8 +82,7 @@ impl<S: Scalar> Transducer<S> for Monomorph {
     }
 }
 
-/// Two piezoelectric layers, by the connection of their electrodes. Each has the properties of the one layer of a
-/// [`Monomorph`].
+/// Two piezoelectric layers, by the connection of their electrodes. Each has the properties of the one layer of a [`Monomorph`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Bimorph {

@@ -99,8 +99,7 @@ impl<S: Scalar> ModeFactor<S> {
 /// The items of [`System`] that the flows of both scenes have in common, by their `is_stick`, `derivatives`,
 /// `equation` and `all_powers`.
 ///
-/// Newton iterates on the velocity alone. [`System::condense`] solves the other two rows. With a fixed position no
-/// iteration is needed.
+/// Newton iterates on the velocity alone. [`System::condense`] solves the other two rows. With a fixed position no iteration is needed.
 macro_rules! flow_items {
     () => {
         type Factor = ModeFactor<S>;
@@ -189,8 +188,7 @@ macro_rules! flow_items {
 }
 pub(crate) use flow_items;
 
-/// The norm of a change of state: motion relative to the present amplitude, at least `least`; charge relative to
-/// `1/per_charge`.
+/// The norm of a change of state: motion relative to the present amplitude, at least `least`; charge relative to `1/per_charge`.
 #[inline]
 pub(crate) fn error_norm<S: Scalar>(
     [deflection, velocity]: [S; 2],

@@ -152,8 +152,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// The harvester with the bridge at its terminals.
     ///
     /// # Errors
-    /// A harvester with a load other than open, or a parameter of the bridge, the storage or its draw outside its
-    /// bounds.
+    /// A harvester with a load other than open, or a parameter of the bridge, the storage or its draw outside its bounds.
     pub fn new(harvester: H, bridge: FullBridge<S, R>) -> Result<Self, ParameterError<S>> {
         let resistance = match harvester.resistance() {
             Resistance::Short => S::ZERO,

@@ -13,8 +13,7 @@ use crate::workload::contact_separation::{SMOOTH, whole};
 use crate::workload::run::Plan;
 use crate::workload::{Progress, Workload};
 
-/// States: gap over `d0`, velocity over `ω0 d0`, charge over `σS`, energy in microjoules, time in
-/// seconds.
+/// States: gap over `d0`, velocity over `ω0 d0`, charge over `σS`, energy in microjoules, time in seconds.
 const STATES: usize = 5;
 /// Joules in the unit of the energy.
 const ENERGY_UNIT: f32 = 1e-6;

@@ -155,8 +155,7 @@ fn triboelectric<T: Triboelectric>(
     with(Sweep::new(setting, &simulation, start, frequency_hz, is_slider).shooting(typical))
 }
 
-/// Shoots for the orbit of one period that a motion approaches, from a state of it, with the size of each coordinate in a wide
-/// motion.
+/// Shoots for the orbit of one period that a motion approaches, from a state of it, with the size of each coordinate in a wide motion.
 type Shoot<H> = fn(
     &ForcedSystem<'_, H, HostExcitation<'_, f64>>,
     <H as Harvester<f64>>::State,

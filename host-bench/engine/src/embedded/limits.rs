@@ -19,8 +19,7 @@ pub(super) type Pairs = [[f64; 2]; 5];
 /// An unused place.
 pub(super) const UNUSED: [f64; 2] = [0.0, 1.0];
 
-/// What compares the steps of a scene with the limits of its model, and the number of equal parts of a step at whose ends it
-/// does.
+/// What compares the steps of a scene with the limits of its model, and the number of equal parts of a step at whose ends it does.
 pub(super) type Gauge<'a, S> = (Box<dyn FnMut(&AcceptedStep<'_, S>, S) -> Pairs + 'a>, u32);
 
 pub(super) fn limits<const N: usize>(scene: &Scene) -> [f64; N] {

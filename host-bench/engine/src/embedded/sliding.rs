@@ -78,8 +78,7 @@ impl Triboelectric for Sliding {
         ]
     }
 
-    /// Without the lateral force what the field takes from the motion is not debited there: each
-    /// ledger closes by itself only.
+    /// Without the lateral force what the field takes from the motion is not debited there: each ledger closes by itself only.
     fn residual<S: Scalar>(&self, residual: &Residual<S>) -> Option<S> {
         if self.parameters.lateral_force { residual.total() } else { residual.largest() }
     }

@@ -25,8 +25,7 @@ pub struct Peak {
     pub frequency_hz: f64,
     /// Its value, in the unit of the response.
     pub value: f64,
-    /// Half the width in Hz of the interval that contains it, if the response has one peak between the points of the
-    /// scan.
+    /// Half the width in Hz of the interval that contains it, if the response has one peak between the points of the scan.
     pub within_hz: f64,
     /// Whether it is at an end of the range, so that a larger response may lie beyond.
     pub at_edge: bool,
@@ -41,16 +40,14 @@ pub struct Resonance {
     pub rms_voltage: Peak,
     /// Of the mean power in W, if it was asked for and there is any.
     pub mean_power: Option<Peak>,
-    /// All responses that were computed, in rising order of frequency; `None` where there is no stable
-    /// orbit.
+    /// All responses that were computed, in rising order of frequency; `None` where there is no stable orbit.
     pub responses: Vec<(f64, Option<Response>)>,
 }
 
 /// Scans `points` frequencies from `from` to `to` in Hz in rising order, then narrows down both peaks.
 ///
 /// `respond` gives the response at a frequency. Frequencies follow each other closely, so that `respond` can follow an
-/// orbit. The result is `None` if no frequency of the scan has a response. The peak of the power is sought only
-/// `with_power`.
+/// orbit. The result is `None` if no frequency of the scan has a response. The peak of the power is sought only `with_power`.
 pub fn resonance<F>(
     [from, to]: [f64; 2],
     points: usize,

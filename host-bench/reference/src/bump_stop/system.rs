@@ -365,8 +365,7 @@ impl System {
     /// The closed contact: the rows of its force in N and of its release, and its stiffness in N/m.
     ///
     /// The force is the penetration over the static compliance of the modes left out (MacNeal's residual
-    /// flexibility) and of the contact in series. In a rigid contact, of stiffness 0 here, the force keeps the
-    /// gap from accelerating.
+    /// flexibility) and of the contact in series. In a rigid contact, of stiffness 0 here, the force keeps the gap from accelerating.
     pub(super) fn closed_contact(&self, model: &BumpStop) -> ([Row; 2], f64) {
         let negated = |row: &Row| row.iter().map(|weight| -weight).collect();
         let Some(stop) = &model.stop else {

@@ -251,8 +251,7 @@ impl Physics {
     }
 
     /// Friction in N, in the direction of the displacement, that holds a slider at rest under the base
-    /// acceleration in m/s²: equation (2) without velocity and acceleration, `M (ω² x + κ a)` less the lateral
-    /// force.
+    /// acceleration in m/s²: equation (2) without velocity and acceleration, `M (ω² x + κ a)` less the lateral force.
     pub(super) fn holding_friction(&self, motion: &Motion, base: f64) -> f64 {
         let lateral = if self.lateral_force { self.field_force(motion, &self.overlap(motion)) } else { 0.0 };
         let beam = &self.beam;

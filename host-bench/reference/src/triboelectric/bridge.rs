@@ -153,8 +153,7 @@ impl Storage {
         [voltage * current, self.drop * current, self.leakage * voltage * voltage, drawn * voltage]
     }
 
-    /// Size in V of the terminal voltage for tolerances, from the open-circuit voltage in V and the charge in C
-    /// of one stroke.
+    /// Size in V of the terminal voltage for tolerances, from the open-circuit voltage in V and the charge in C of one stroke.
     pub(crate) fn voltage_scale(&self, open: f64, charge: f64) -> f64 {
         let threshold = self.initial + self.drop + 10.0 * charge * self.elastance();
         if threshold > 0.0 { open.min(threshold) } else { open }
@@ -190,8 +189,7 @@ impl Storage {
         }
     }
 
-    /// Changes the regime. Gives the terminal voltage in V after the switch, and the energies of a charge that
-    /// is shared at once.
+    /// Changes the regime. Gives the terminal voltage in V after the switch, and the energies of a charge that is shared at once.
     pub(crate) fn switch(
         &self,
         switch: Switch,

@@ -172,8 +172,7 @@ fn decayed(rate: f64, t: f64) -> f64 {
 }
 
 impl StorageInStick<'_> {
-    /// One over the discharged capacitance in 1/F: the storage, and with it the harvester while the bridge
-    /// conducts.
+    /// One over the discharged capacitance in 1/F: the storage, and with it the harvester while the bridge conducts.
     fn elastance(&self) -> f64 {
         let own = self.storage.elastance();
         if self.start.sign == 0.0 { own } else { own / (1.0 + self.capacitance * own) }

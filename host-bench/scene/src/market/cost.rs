@@ -37,8 +37,7 @@ pub enum Code {
     Filter,
 }
 
-/// Instructions of a [`VoltageNode`](model_core::node::VoltageNode), and of the bursts of a
-/// [`MapNode`](model_core::node::MapNode).
+/// Instructions of a [`VoltageNode`](model_core::node::VoltageNode), and of the bursts of a [`MapNode`](model_core::node::MapNode).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instructions {
     /// Of a wake-up with a reading, and the decision after it.

@@ -8,8 +8,7 @@ use crate::scene_file::Scene;
 /// voltage. `None`, and `null` in JSON, is unknown, or does not apply: no chaos, no trace, double precision, no layer.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Accuracy {
-    /// Of a chaotic motion, by the finite number of runs: three standard errors of the mean power over an ensemble of displaced
-    /// starts.
+    /// Of a chaotic motion, by the finite number of runs: three standard errors of the mean power over an ensemble of displaced starts.
     pub chaos: Option<f64>,
     /// By the finite step: from a run with half the step or a sixteenth of the tolerance, or in fixed steps of half the mean
     /// length where that takes hardly more steps; in a chaotic motion from the means of both ensembles. In double precision it

@@ -92,8 +92,7 @@ pub struct BumpStopOutcome {
     pub first_contact_s: Option<f64>,
     /// Largest contact force in the window in N, without rigid impacts, which have none; `None` without a stop.
     pub peak_force_n: Option<f64>,
-    /// Mean contact force over the window in N, the momentum of impacts included; `None` without a
-    /// stop.
+    /// Mean contact force over the window in N, the momentum of impacts included; `None` without a stop.
     pub mean_force_n: Option<f64>,
     /// Bending at the clamp; `None` by TR-BDF2, the Runge-Kutta method and Newmark's.
     #[serde(flatten)]

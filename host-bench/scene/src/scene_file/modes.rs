@@ -22,8 +22,7 @@ pub struct BeamMode {
     pub eigenvalue: f64,
     /// Angular frequency in rad/s, short-circuit and undamped.
     pub angular_frequency: f64,
-    /// `γ = ∫ m' φ dx` in √kg, and the mass of a tip mass times the shape at its centre: participation factor of the
-    /// base acceleration.
+    /// `γ = ∫ m' φ dx` in √kg, and the mass of a tip mass times the shape at its centre: participation factor of the base acceleration.
     pub participation: f64,
     /// `θ` in N/(V √kg): force of one volt on the mode, and charge of one unit of it.
     pub coupling: f64,
@@ -156,8 +155,7 @@ fn shape_ratio(eigenvalue: f64) -> f64 {
 
 /// `cosh u − cos u − σ (sinh u − sin u)` at `u = λ s`.
 ///
-/// `1 − σ = (e^−λ + cos λ + sin λ) / (cosh λ + cos λ)` in `(1−σ) e^u / 2` avoids the difference of two
-/// exponentials.
+/// `1 − σ = (e^−λ + cos λ + sin λ) / (cosh λ + cos λ)` in `(1−σ) e^u / 2` avoids the difference of two exponentials.
 fn shape(eigenvalue: f64, place: f64) -> f64 {
     let ratio = shape_ratio(eigenvalue);
     let u = eigenvalue * place;

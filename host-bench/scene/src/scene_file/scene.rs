@@ -31,8 +31,7 @@ pub struct Scene {
     pub excitation: Excitation,
     /// How long, and what is measured.
     pub run: RunSpan,
-    /// Table `[limits]`: the name of each compared quantity and its limit, or the pressure for its limit, in the order of the
-    /// keys.
+    /// Table `[limits]`: the name of each compared quantity and its limit, or the pressure for its limit, in the order of the keys.
     pub limits: Vec<(&'static str, f64)>,
 }
 

@@ -7,8 +7,7 @@ use super::section::Section;
 /// `[initial]` of a triboelectric scene; what is `None` takes its default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TriboelectricStart {
-    /// Gap in m, by default the unstretched one; or displacement in m of the slider from the middle of the active patch, by
-    /// default 0.
+    /// Gap in m, by default the unstretched one; or displacement in m of the slider from the middle of the active patch, by default 0.
     pub position_m: Option<f64>,
     /// Velocity in m/s, opening positive, or relative to the patches; by default 0.
     pub velocity_m_per_s: Option<f64>,

@@ -19,8 +19,7 @@ pub(in crate::command) fn warnings(points: &[Point]) -> impl Iterator<Item = Str
 /// the limits of the model.
 const KINDS: [&str; 4] = ["accuracy:", "attractors:", LIMIT, MODEL];
 
-/// The warning of the point whose force law created the largest share of the delivered energy, with the number of the
-/// points that warn.
+/// The warning of the point whose force law created the largest share of the delivered energy, with the number of the points that warn.
 fn most_created(points: &[Point]) -> Option<String> {
     let warned = points.iter().filter_map(|point| {
         let share = point.number("created_energy_share").map_or(0.0, f64::abs);
@@ -82,8 +81,7 @@ pub(super) fn doubt(
     .doubt()
 }
 
-/// The warning of sines that are far from every resonance, where all points have it: a sweep may go beyond the resonances on
-/// purpose.
+/// The warning of sines that are far from every resonance, where all points have it: a sweep may go beyond the resonances on purpose.
 fn all_far(points: &[Point]) -> Option<String> {
     first_of(points, is_of_a_far_sine).filter(|(count, _)| *count == points.len()).map(|(_, text)| text)
 }

@@ -26,8 +26,7 @@ pub(in crate::command) struct PointArguments {
     #[command(flatten)]
     pub(in crate::command) scene: SceneArguments,
     /// Write the table, the picture and the page, named as the command (such as sweep.csv, sweep.svg and sweep.html), into this
-    /// folder; points are kept there as they are done, and a command that was interrupted goes on from them when it is
-    /// given again
+    /// folder; points are kept there as they are done, and a command that was interrupted goes on from them when it is given again
     #[arg(long, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
     /// Seek the periodic steady state under one sine by shooting at each point, in place of the run; the
@@ -114,8 +113,7 @@ pub(in crate::command) struct Done {
 
 impl Points<'_> {
     /// Runs all points. Bad input at any of them refuses the whole command before it begins; one that fails on its way has its
-    /// error in place of its outcome. The command reads these files beside the scene. `None`: it does one part of the points, which
-    /// waits in its file.
+    /// error in place of its outcome. The command reads these files beside the scene. `None`: it does one part of the points.
     pub(in crate::command) fn run(&self, others: &[PathBuf]) -> Result<Option<Done>, Failure> {
         let PointArguments { scene, output, storage_voltage, parts, .. } = self.arguments;
         let options = self.arguments.options();
@@ -343,8 +341,7 @@ pub(super) struct Compared {
     pub(super) is_stable: bool,
 }
 
-/// Compares the steady state with the run, which is made by these options if there are any; `None` if no steady
-/// state was sought.
+/// Compares the steady state with the run, which is made by these options if there are any; `None` without a steady state.
 fn compared(
     scene: &Scene,
     outcome: &Outcome,

@@ -9,8 +9,7 @@ use crate::command::rows::{self, Kind, Parts};
 use crate::method::Failure;
 use crate::outcome::Fields;
 
-/// The file beside the table of a command, one JSON object a line, with its checksum behind it. It is removed when the table is
-/// whole.
+/// The file beside the table of a command, one JSON object a line, then its checksum. It is removed when the table is whole.
 pub(super) fn file_of(command: &str) -> String {
     format!("{command}.rows.jsonl")
 }

@@ -4,8 +4,7 @@
 use super::{Extent, Kind, noise, shipped, stores};
 use crate::stability::Case;
 
-/// Periods of the shipped scene's base that a case runs, and after which it is measured: sixteen are, one for each
-/// part of the window.
+/// Periods of the shipped scene's base that a case runs, and after which it is measured: sixteen are, one for each part of the window.
 const PERIODS: [f64; 2] = [22.0, 6.0];
 /// Frequency of the shipped scene's base in Hz.
 const FREQUENCY_HZ: f64 = 220.0;

@@ -50,8 +50,7 @@ fn driven(case: Case, [amplitude, frequency_hz]: [f64; 2]) -> Case {
         .with("run", format_args!("{{duration_periods={all},settle_periods={settle}}}"))
 }
 
-/// The case with this kinetic friction on the active patch; the other coefficients are in the ratios of the shipped
-/// scene.
+/// The case with this kinetic friction on the active patch; the other coefficients are in the ratios of the shipped scene.
 fn rubbing(case: Case, friction: f64) -> Case {
     let [inert, at_rest, at_rest_inert] = RATIOS.map(|ratio| ratio * friction);
     case.with_number("parameters.kinetic_friction_active", friction)

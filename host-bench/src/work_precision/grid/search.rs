@@ -111,8 +111,7 @@ impl<'a> Search<'a> {
         self.climb_one("rk4", explicit, slowest)
     }
 
-    /// The run time in s beyond which no choice is the cheapest: of exponential Radau at the finest accuracy that it
-    /// meets.
+    /// The run time in s beyond which no choice is the cheapest: of exponential Radau at the finest accuracy that it meets.
     fn slowest(&self) -> f64 {
         let met = ACCURACIES.iter().filter_map(|&accuracy| self.candidates(accuracy).first().copied());
         COST_FACTOR * met.map(|place| self.of(place).seconds).fold(0.0, f64::max)

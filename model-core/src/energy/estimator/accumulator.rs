@@ -10,8 +10,7 @@ use crate::snapshot::snapshot_fields;
 const POWER_PER_STATE: f64 = 2.0;
 /// Roundings in the energy of a step, which some tens of operations compute from the state.
 const ENERGY_ROUNDINGS: f64 = 32.0;
-/// Roundings of a compensated sum with any number of terms (Kahan); the next part is smaller by the number of
-/// terms times a rounding.
+/// Roundings of a compensated sum with any number of terms (Kahan); the next part is smaller by the number of terms times a rounding.
 const SUM_ROUNDINGS: f64 = 2.0;
 
 /// Largest energy in J and largest sum of errors that an image may have: their products are finite in `f32`.

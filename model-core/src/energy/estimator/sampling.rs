@@ -22,8 +22,7 @@ use crate::scene::Harvester;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Interpolation {
-    /// Linear between the samples: the mean power is too low, by 1.6 % with 20 samples in a resonance period and by
-    /// 23 % with 5.
+    /// Linear between the samples: the mean power is too low, by 1.6 % with 20 samples in a resonance period and by 23 % with 5.
     Linear,
     /// Linear between samples that a filter of three samples corrects, exactly at the resonance of the harvester.
     #[default]

@@ -170,7 +170,6 @@ pub struct Uncertainty<S> {
     /// other time, and the estimate half of it, as that of a motion that rises from rest; or to that of the estimate and the lost
     /// motion, whose amplitudes add, if that is more. A lost motion has the power of the last period before the outage in it, and
     /// decays freely after it. In unknown time the power is from 0 to that of the other time. Above 1 the energy may be any up to
-    /// that multiple.
-    /// `None` where [`Uncertainty::step`] or [`Uncertainty::sampling`] is unknown, or the sum is not finite.
+    /// that multiple. `None` where [`Uncertainty::step`] or [`Uncertainty::sampling`] is unknown, or the sum is not finite.
     pub relative: Option<S>,
 }

@@ -39,8 +39,7 @@ pub(super) const AT_START: [f64; 3] = [LAGRANGE[0][0], LAGRANGE[1][0], LAGRANGE[
 
 /// Part of the correction of the motion that estimates the error of the corrected motion.
 const MOTION_ERROR_PART: f64 = 1.0 / 16.0;
-/// Weights of a change of the force at the end, times `h²` and `h`, in the displacement and the velocity that a further
-/// pass would add.
+/// Weights of a change of the force at the end, times `h²` and `h`, in the displacement and the velocity that a further pass would add.
 const NEXT_PASS: [f64; 2] = [1.0 / 12.0, 1.0 / 4.0];
 
 /// The displacement over a step: the polynomial of fourth degree in the fraction θ of the step through position,
@@ -242,8 +241,7 @@ pub(super) fn weighted<S: Scalar>(weights: &[f64; 3], increments: &[S; 3]) -> S 
     a * first + b * second + c * third
 }
 
-/// Solves `inertia_i z_i + h stiffness_i Σ_j a_ij z_j = h drive_i`. All leading minors are positive, so no row is
-/// exchanged.
+/// Solves `inertia_i z_i + h stiffness_i Σ_j a_ij z_j = h drive_i`. All leading minors are positive, so no row is exchanged.
 #[inline(always)]
 pub(super) fn solve<S: Scalar>(equations: &[CircuitEquation<S>; 3], step: S) -> [S; 3] {
     let [one, two, three] = *equations;

@@ -72,8 +72,7 @@ impl<S: Scalar> TipMass<S> {
 }
 
 impl<S: Scalar> Cantilever<S> {
-    /// Mode `number`, from 1, in order of frequency, with `body` at the tip in place of the point mass
-    /// [`Cantilever::tip_mass`].
+    /// Mode `number`, from 1, in order of frequency, with `body` at the tip in place of the point mass [`Cantilever::tip_mass`].
     #[must_use]
     pub(crate) fn mode_with(&self, body: &TipMass<S>, number: u32) -> BeamMode<S> {
         let ratios = Ratios::new(body, self);

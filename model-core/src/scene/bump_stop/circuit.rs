@@ -58,8 +58,7 @@ pub trait Circuit<S: Scalar>: Copy + Debug + PartialEq {
     /// The coefficients of a step in s, on a capacitance in F.
     fn step(&self, capacitance: S, step: S) -> Self::Step;
 
-    /// The coefficients of a step in s under a current that is linear in time, on a capacitance in F; of a bridge,
-    /// while it blocks.
+    /// The coefficients of a step in s under a current that is linear in time, on a capacitance in F; of a bridge, while it blocks.
     fn linear_step(&self, capacitance: S, step: S) -> LinearCircuitStep<S>;
 
     /// The linear relation of the first trial.

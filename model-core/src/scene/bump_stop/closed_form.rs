@@ -99,8 +99,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     ///
     /// Of the modes with open terminals and without damping, the charge of the strain is that of the capacitance, `C_p =
     /// Σ θ_i²/(ω² − ω_i²)`. The right-hand side falls from infinity above each `ω_i`, so the frequency is found by
-    /// bisection. With one mode it is `√(ω_1² + θ_1²/C_p)`. With `k² = 1 − ω_i²/ω²` it gives the coupling factor of the
-    /// mode.
+    /// bisection. With one mode it is `√(ω_1² + θ_1²/C_p)`. With `k² = 1 − ω_i²/ω²` it gives the coupling factor of the mode.
     #[must_use]
     pub fn open_circuit_angular_frequency(&self, index: usize) -> Option<S> {
         let own = self.beam.get(index)?.angular_frequency;

@@ -101,8 +101,7 @@ impl<S: Scalar, const B: usize, const R: usize> GapBound<S, B, R> {
         reach
     }
 
-    /// The part in m of the largest magnitudes over the step of the lines of the base acceleration in m/s² and of the
-    /// voltage in V.
+    /// The part in m of the largest magnitudes over the step of the lines of the base acceleration in m/s² and of the voltage in V.
     #[inline]
     pub(super) fn of_forces(&self, acceleration: S, voltage: S) -> S {
         self.by_base * acceleration + self.by_voltage * voltage

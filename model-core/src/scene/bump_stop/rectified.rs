@@ -30,8 +30,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     ///
     /// Over a period the bridge takes `P_b = 4 f V_b (|Q| − C_p V_b)` at `V_b = V_dc + 2 V_D`, so the modes see a voltage
     /// per charge of `V_b/|Q|` in phase with the charge and of `2 P_b/(ω |Q|²)` ahead of it. `|Q|` is found by bisection
-    /// above `C_p V_b`. If the voltage of the open terminals stays below `V_b`, the bridge blocks and the terminals are
-    /// open.
+    /// above `C_p V_b`. If the voltage of the open terminals stays below `V_b`, the bridge blocks and the terminals are open.
     #[must_use]
     pub fn closed_form_into_bus(
         &self,

@@ -182,8 +182,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         }
     }
 
-    /// The bits of the run are those of the stepper: it ends a step where a budget is spent, and a budget has no effect
-    /// on them.
+    /// The bits of the run are those of the stepper: it ends a step where a budget is spent, and a budget has no effect on them.
     #[inline]
     fn run<const CUT: bool, E: Excitation<S>, O: Observer<S>>(
         &self,

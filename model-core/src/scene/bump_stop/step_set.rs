@@ -32,8 +32,7 @@ pub(crate) struct StepSet<S, const B: usize, const R: usize, K = CircuitStep<S>>
     pub(super) per_circuit: S,
     /// `e1/(1 + χ e1 Σ θ² s)` in V/C: mean voltage per charge that the contact force moves.
     pub(super) slope: S,
-    /// In free flight: the circuit with the motion that its voltage acts back on. The charge and its moment are those
-    /// without voltage.
+    /// In free flight: the circuit with the motion that its voltage acts back on. The charge and its moment are those without voltage.
     pub(super) flight: LinearCircuitStep<S>,
 }
 

@@ -51,8 +51,7 @@ pub struct Stepper<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const
     gramians: [[GramianSet<S, B, R>; LEVELS]; ALL],
 }
 
-/// The state of a run, and the one that the next step writes. An accepted step swaps them: a copy of the state costs as
-/// much as a mode.
+/// The state of a run, and the one that the next step writes. An accepted step swaps them: a copy of the state costs as much as a mode.
 pub(super) struct Pair<'a, T> {
     pub(super) now: &'a mut T,
     pub(super) next: &'a mut T,
@@ -73,8 +72,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> Stepper<S, P, B, R>
     /// disables long steps.
     ///
     /// # Errors
-    /// [`ParameterError`] with the field `short_step` or `long_step` for a length that is not above 0 and at most 15.6
-    /// ms.
+    /// [`ParameterError`] with the field `short_step` or `long_step` for a length that is not above 0 and at most 15.6 ms.
     #[inline]
     pub fn new(scene: BumpStop<S, P, B, R>, short: S, long: S) -> Result<Self, ParameterError<S>> {
         Self::build(scene, short, long)
@@ -134,8 +132,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
 
     /// Advances `state` to `until`; without `CUT` it ends with a whole step, less than a short step past `until`.
     ///
-    /// A cut step computes its own coefficients, which cost more than many steps: from sample to sample, whole steps
-    /// are cheaper.
+    /// A cut step computes its own coefficients, which cost more than many steps: from sample to sample, whole steps are cheaper.
     #[inline]
     pub(super) fn run<const CUT: bool, E: Excitation<S>, O: Observer<S>>(
         &self,
@@ -253,8 +250,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         (set.ticks > self.short().ticks && self.is_clear(ahead + modes)).then_some(modes)
     }
 
-    /// Takes a step in free flight if its end and the bound of the gap are clear; `room` is the part of the modes in
-    /// the bound in m.
+    /// Takes a step in free flight if its end and the bound of the gap are clear; `room` is the part of the modes in the bound in m.
     #[inline(always)]
     pub(super) fn try_flight<E: Excitation<S>, O: Observer<S>>(
         &self,

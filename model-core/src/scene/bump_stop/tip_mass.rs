@@ -18,8 +18,7 @@ pub(crate) trait TipMassChoice<S: Scalar>: Copy + Debug + PartialEq {
     /// Static compliance in m/N at `place` of the modes after the first `kept`.
     fn residual_compliance(&self, beam: &Cantilever<S>, place: S, modes: u32) -> S;
 
-    /// Moment in N·m at the clamp per negative base acceleration in m/s², of the mass of the beam, `beam_moment`, and of
-    /// the tip mass.
+    /// Moment in N·m at the clamp per negative base acceleration in m/s², of the mass of the beam, `beam_moment`, and of the tip mass.
     fn moment_at_clamp(&self, beam: &Cantilever<S>, beam_moment: S) -> S;
 
     /// Checks the tip mass for a beam.

@@ -65,8 +65,7 @@ pub type AnyChoices<S, M = Polynomial> =
     Choices<AnyLoad<S>, AnyRestitution<S, M>, AnyForceLaw, ParasiticCapacitance<S>, StickCharge>;
 
 impl<L, R> Choices<L, R> {
-    /// A load and a coefficient of restitution, with the force of the field, no parasitic capacitance, and a frozen
-    /// charge in stick.
+    /// A load and a coefficient of restitution, with the force of the field, no parasitic capacitance, and a frozen charge in stick.
     #[must_use]
     pub const fn new(load: L, restitution: R) -> Self {
         Self { load, restitution, force_law: GapField, parasitic: NoParasitic, sticking: StickCharge::Frozen }

@@ -37,8 +37,7 @@ fn minus_square<S: Scalar>(constant: S, slope: S) -> [S; 3] {
 ///
 /// Of the forms tried, only this one shows the paper's loss of amplitude, shift to the left and widening with the
 /// resistance. It is **not passive**: the charge lags the motion, so the force delivers more energy on approach than
-/// it takes on departure. The sum of the mechanical and the electrical ledger does not close, although each closes by
-/// itself.
+/// it takes on departure. The sum of the mechanical and the electrical ledger does not close, although each closes by itself.
 impl<S: Scalar> ForceLaw<S> for TransferredCharge {
     #[inline]
     fn attraction(&self, circuit: &Circuit<S>, _tribo_charge: S) -> S {
@@ -62,8 +61,7 @@ impl<S: Scalar> ForceLaw<S> for TransferredCharge {
     }
 }
 
-/// `F_e = (σS − q)² / (2 ε0 S)`: the field in the gap, energy-consistent electrostatics. With this law the total
-/// energy ledger closes.
+/// `F_e = (σS − q)² / (2 ε0 S)`: the field in the gap, energy-consistent electrostatics. With this law the total energy ledger closes.
 impl<S: Scalar> ForceLaw<S> for GapField {
     #[inline]
     fn attraction(&self, circuit: &Circuit<S>, tribo_charge: S) -> S {

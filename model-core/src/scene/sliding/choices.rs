@@ -40,8 +40,7 @@ pub struct Choices<L, R, F = GapField, K = StickCharge, T = NoLateralForce> {
 pub type AnyChoices<S> = Choices<AnyLoad<S>, PatchFriction<S>, AnyForceLaw, StickCharge, AnyLateralForce>;
 
 impl<L, R> Choices<L, R> {
-    /// A load and a friction law, with the force of the field normal to the plane, no lateral force, and a frozen
-    /// charge in stick.
+    /// A load and a friction law, with the force of the field normal to the plane, no lateral force, and a frozen charge in stick.
     #[must_use]
     pub const fn new(load: L, friction: R) -> Self {
         Self {

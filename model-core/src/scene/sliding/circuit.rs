@@ -33,8 +33,7 @@ pub(super) struct Slope<S> {
 }
 
 impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
-    /// `1/2r` on the side `ahead`, `−1/2r` on the other. The sign is exact in every product, and the compiler finds it
-    /// once a step.
+    /// `1/2r` on the side `ahead`, `−1/2r` on the other. The sign is exact in every product, and the compiler finds it once a step.
     #[inline(always)]
     pub(super) fn per_diameter(&self, ahead: bool) -> S {
         if ahead { self.per_diameter } else { -self.per_diameter }

@@ -35,8 +35,7 @@ impl Mode {
         Self::Sliding { forward, ahead }
     }
 
-    /// The side of the overlap's corner: in a slide that of the mode, since a step may end slightly beyond the
-    /// corner.
+    /// The side of the overlap's corner: in a slide that of the mode, since a step may end slightly beyond the corner.
     #[inline(always)]
     pub(super) fn is_ahead<S: Scalar>(self, displacement: S) -> bool {
         match self {

@@ -166,8 +166,7 @@ pub fn chattering_phases(
     contacts.chunk_by(move |one, next| next.begins_s - one.ends_s < PAUSE * period_s)
 }
 
-/// The contacts of a bump-stop scene that begin in its measuring window, in order of time, on the embedded core in
-/// double precision.
+/// The contacts of a bump-stop scene that begin in its measuring window, in order of time, on the embedded core in double precision.
 pub fn contact_intervals(scene: &Scene, options: &Options) -> Result<Vec<ContactInterval>, Failure> {
     let mut contacts = Contacts { from_s: scene.run.settle_s, closed: false, found: Vec::new() };
     observed(scene, options, scene.run.duration_s, &mut contacts, |_| false)?;

@@ -92,16 +92,14 @@ pub struct Tone {
     pub phase_rad: f64,
 }
 
-/// A recorded base acceleration: samples at a fixed rate, the first at time zero, joined by
-/// straight lines.
+/// A recorded base acceleration: samples at a fixed rate, the first at time zero, joined by straight lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
     /// Samples in m/s², scale applied; at least two.
     pub samples_m_per_s2: Arc<[f64]>,
     /// Samples per second.
     pub rate_hz: f64,
-    /// Whether it starts again one sample interval after its last sample; if not, it is at least as
-    /// long as the run.
+    /// Whether it starts again one sample interval after its last sample; if not, it is at least as long as the run.
     pub repeat: bool,
 }
 
