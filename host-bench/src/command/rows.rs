@@ -54,6 +54,9 @@ impl FromStr for Part {
     }
 }
 
+/// A file of rows, the part that it is of, and its text.
+type PartText = (PathBuf, Option<Part>, String);
+
 impl Part {
     /// Whether it has the case of a number from 0. Cases of like cost are beside each other, and are spread over the parts.
     fn has(self, number: usize) -> bool {
@@ -92,6 +95,16 @@ impl Parts {
         let reason =
             format!("must have all {all} points of part {number}/{of}, has {done}: give its command again");
         Some((Part { number, of }, reason))
+    }
+
+    /// The files of merged parts, each with its text.
+    fn texts(self, path: &Path, kind: Kind<'_>, heading: &str) -> Result<Vec<PartText>, Failure> {
+        let each = self.merge.into_iter().flat_map(|of| (1..=of).map(move |number| Part { number, of }));
+        let text = |part: Part| {
+            let file = part.file(path);
+            kind.text(&file, heading).map(|text| (file, Some(part), text))
+        };
+        each.map(text).collect()
     }
 
     /// The file of rows of the command. Standard output is that of a part, too.
@@ -172,15 +185,15 @@ impl Rows {
             let rows = to(Box::new(io::stdout()));
             return rows.write(&heading).map(|()| (rows, BTreeMap::new()));
         }
-        let mut texts = vec![(parts.part, kind.text(path, &heading)?)];
-        let is_new = texts[0].1.len() < heading.len();
-        if let Some(of) = parts.merge {
-            let each = (1..=of).map(|number| Part { number, of });
-            let text = |part: Part| kind.text(&part.file(path), &heading).map(|text| (Some(part), text));
-            texts = each.map(text).collect::<Result<_, _>>()?;
+        let own = (path.to_owned(), parts.part, kind.text(path, &heading)?);
+        let is_new = own.2.len() < heading.len();
+        let merged = parts.texts(path, kind, &heading)?;
+        for one in merged.iter().chain([&own]) {
+            let (rows, ..) = taken_up(std::slice::from_ref(one), &heading, &read);
+            check(&rows).map_err(|reason| refusal(option, &one.0, &reason))?;
         }
-        let (known, whole, dropped) = taken_up(&texts, &heading, read);
-        check(&known).map_err(refuse)?;
+        let texts = if parts.merge.is_some() { merged } else { vec![own] };
+        let (known, whole, dropped) = taken_up(&texts, &heading, &read);
         if let Some((part, reason)) = parts.lacking(cases, |case| known.contains_key(&case)) {
             return Err(refusal(option, &part.file(path), &reason));
         }
@@ -223,12 +236,12 @@ impl Rows {
 
 /// The whole rows of the files of parts by number, with the lines of the heading and of them, and how many others there are.
 fn taken_up<'t, T>(
-    texts: &'t [(Option<Part>, String)],
+    texts: &'t [PartText],
     heading: &'t str,
     read: impl Fn(&str) -> Option<(usize, T)>,
 ) -> (BTreeMap<usize, T>, Vec<&'t str>, usize) {
     let (mut known, mut whole, mut dropped) = (BTreeMap::new(), vec![heading], 0);
-    for (part, text) in texts {
+    for (_, part, text) in texts {
         for line in text.get(heading.len()..).unwrap_or_default().split_inclusive('\n') {
             // A copy of another part's file has rows that are not of this one.
             let is_new =

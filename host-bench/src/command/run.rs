@@ -32,7 +32,7 @@ pub struct RunArguments {
     /// Seconds between the rows of the trace
     #[arg(long, value_name = "S", requires = "trace", allow_hyphen_values = true)]
     trace_every: Option<f64>,
-    /// Write a picture of the run to this file, .svg or .html: time histories, phase portrait, spectrum, energy flow; plot has choices
+    /// Write a picture of the run to this file, .svg or .html (.pdf or .png in a build with images): time histories, phase portrait, spectrum, energy flow; plot has choices
     #[arg(long, value_name = "FILE", conflicts_with_all = ["seeds", "steady_state"])]
     picture: Option<PathBuf>,
     /// Seek the periodic steady state under one sine by shooting, in place of the run; the run where there is none that is stable

@@ -19,7 +19,7 @@ use crate::stability::{
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(
-    after_help = "Run time: with --grid coarse 1, 3 and 5 minutes for the three scenes, the whole grid 25 minutes, on two cores"
+    after_help = "Run time: with --grid coarse 1, 3 and 5 minutes for the three scenes, the whole grid 20 minutes, on two cores"
 )]
 pub struct StabilityArguments {
     /// Which cases

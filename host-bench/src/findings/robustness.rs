@@ -73,8 +73,10 @@ impl Robustness {
 
     /// The share, its draws, and what follows of it, as printed.
     pub fn text(&self) -> String {
-        let Some(share) = self.share else { return "not drawn".to_owned() };
-        let (known, percent) = (self.stays + self.changes, (100.0 * share).floor());
+        let known = self.stays + self.changes;
+        let Some(percent) = (100 * self.stays).checked_div(known) else {
+            return "unknown in all draws".to_owned();
+        };
         let local = if self.at_these_parameters { " (at these parameters)" } else { "" };
         format!("{percent} % of {known} draws{local}")
     }

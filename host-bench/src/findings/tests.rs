@@ -203,7 +203,7 @@ fn a_finding_in_a_draw_holds_fails_or_is_unknown() {
     assert_eq!(text(&format!("{one}{many}uu"), Mark::Shown), "95 % of 20 draws");
     assert_eq!(text(&format!("nn{many}"), Mark::Chosen), "90 % of 21 draws (at these parameters)");
     assert_eq!(text("nnn", Mark::NotShown), "100 % of 3 draws");
-    assert_eq!(text("u", Mark::Shown), "not drawn");
+    assert_eq!(text("u", Mark::Shown), "unknown in all draws");
 }
 
 /// Draws from the number in the environment variable `DRAW` on.

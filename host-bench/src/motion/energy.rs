@@ -16,6 +16,8 @@ const SIZE: u32 = 18;
 /// Left edge of the bars, and room at the right for the numbers.
 const LEFT: u32 = 240;
 const RIGHT: u32 = 130;
+/// Width below which the bars have no names of runs.
+const NARROW: u32 = 700;
 
 /// A run with its colour, and the names and energies of its parts.
 type Known<'a> = (&'a Series, RGBColor, Vec<(&'static str, f64)>);
@@ -28,20 +30,20 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
         .filter_map(|(one, colour)| Some((one, colour, one.flow?.parts())))
         .collect();
     // A part that no run has would be a name without a bar; what comes from the base is what the others are parts of.
-    let has = |index: usize| {
-        known.iter().any(|(.., parts)| parts.get(index).is_some_and(|(_, value)| *value != 0.0))
-    };
+    let is_of =
+        |index: usize, parts: &[(&str, f64)]| parts.get(index).is_some_and(|(_, value)| *value != 0.0);
+    let has = |index: usize| known.iter().any(|(.., parts)| is_of(index, parts));
     let all = known.first()?.2.iter().enumerate();
-    let names: Vec<(usize, &str)> = all
-        .filter(|(index, _)| *index == 0 || has(*index))
-        .map(|(index, (name, _))| (index, *name))
-        .collect();
+    let wanted = all.filter(|(index, _)| *index == 0 || has(*index));
+    let names: Vec<(usize, &str)> = wanted.map(|(index, (name, _))| (index, *name)).collect();
     let rows = u32::try_from(names.len() * known.len()).ok()?;
     let height = TOP + ROW * rows + 12 * u32::try_from(names.len()).ok()?;
     let largest =
         known.iter().flat_map(|(.., parts)| parts).fold(0.0_f64, |most, (_, value)| most.max(value.abs()));
-    let longest = known.iter().map(|(one, ..)| width_of(&one.name, SIZE)).max().filter(|_| known.len() > 1);
-    let right = RIGHT + u32::try_from(longest.unwrap_or(0)).unwrap_or(0).min(width / 3);
+    // A narrow picture names the runs by their colours in the charts above.
+    let is_named = known.len() > 1 && width >= NARROW;
+    let longest = known.iter().filter(|_| is_named).map(|(one, ..)| width_of(&one.name, SIZE)).max();
+    let right = RIGHT + longest.map_or(0, i32::unsigned_abs).min(width / 3);
     let scale = if largest > 0.0 { f64::from(width.saturating_sub(LEFT + right)) / largest } else { 0.0 };
     let mut text = format!(
         "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\" \
@@ -58,7 +60,7 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
             // What is negative flows the other way: its bar is hollow.
             let colour = hex(*colour);
             let fill = if value < 0.0 { "none" } else { &colour };
-            let of = if known.len() > 1 { format!("  {}", escaped(&one.name)) } else { String::new() };
+            let of = if is_named { format!("  {}", escaped(&one.name)) } else { String::new() };
             let supplied = parts.first().map(|(_, value)| *value).filter(|supplied| *supplied > 0.0);
             let part = supplied.map_or_else(String::new, |supplied| {
                 format!(", {:.3} % of what comes from the base", 100.0 * value / supplied)

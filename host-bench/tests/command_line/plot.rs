@@ -161,7 +161,7 @@ fn a_periodic_motion_has_no_subharmonics() {
     let between = frequencies.iter().zip(&lines).filter(|(frequency, _)| part(**frequency) > 0.2);
     let noise = between.map(|(_, line)| *line).fold(0.0, f64::max);
     assert!(noise < 2e-5 * largest, "{noise} beside {largest}");
-    assert!(html.contains("noise of a line"), "the noise floor is marked");
+    assert!(html.contains("noise floor of a line"), "the noise floor is marked");
 }
 
 #[test]

@@ -84,13 +84,14 @@ pub struct Status {
     pub verdict: Verdict,
 }
 
-/// Whether the harvested power is above what leaves the storage without an action: at a cold start, whether the node lives on.
+/// Whether the harvested power is above standing power and leakage, by more than the bounds: at a cold start, whether the node lives on.
+/// Actions, readings and bursts are left out. Where the power is assumed, as of a full storage, it is open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
     /// The bounds allow both.
     Open,
-    /// The stored energy rises.
+    /// The stored energy rises between readings.
     LivesOn,
     /// It falls.
     Fades,
@@ -114,7 +115,7 @@ impl<const N: usize> Thresholds<N> {
 
     /// The mode now, 0 to `N`: 0 also where the stored energy is unknown.
     pub fn mode(&mut self, status: &Status) -> usize {
-        let charge = if status.energy_bound < f32::INFINITY { status.charge } else { 0.0 };
+        let charge = if status.energy_bound < f32::INFINITY { status.charge } else { f32::NEG_INFINITY };
         while self.levels.get(self.mode).is_some_and(|[_, begin]| charge > *begin) {
             self.mode += 1;
         }

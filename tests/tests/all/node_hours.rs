@@ -4,6 +4,7 @@
 mod battery;
 mod beating;
 mod below_the_map;
+mod converter;
 mod oracle;
 mod plant;
 mod wavering;
