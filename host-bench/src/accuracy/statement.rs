@@ -72,10 +72,9 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     let is_unresolved = !delivers(alike) && misses_turns(scene, alike);
     let misses_impacts = finer.as_ref().is_some_and(|(options, _)| misses_impacts(scene, options, outcome));
     let rounding = exact.as_ref().and_then(|exact| difference(outcome, exact));
-    let is_chaotic = !is_missed
-        && !is_unresolved
-        && !misses_impacts
-        && chaotic(&mut runs, &double, alike, [between_steps, rounding]);
+    // What a comparison cannot show.
+    let is_blind = is_missed || is_unresolved || misses_impacts;
+    let is_chaotic = !is_blind && chaotic(&mut runs, &double, alike, [between_steps, rounding]);
     let half = finer.as_ref().filter(|_| is_chaotic);
     let found = half.and_then(|half| ensemble(&mut runs, options, outcome, half));
     let coarser = if found.is_none() { by_coarser_steps(&mut runs, &double, alike) } else { 0.0 };
@@ -103,7 +102,7 @@ pub(super) fn state(scene: &Scene, options: &Options, outcome: &mut Outcome) {
     if is_layered {
         accuracy.boundary_layers = accuracy.step;
     }
-    let is_unknown = is_missed || is_unresolved || misses_impacts || single && accuracy.rounding.is_none();
+    let is_unknown = is_blind || single && accuracy.rounding.is_none();
     outcome.accuracy = if is_unknown { accuracy } else { accuracy.summed() };
 }
 

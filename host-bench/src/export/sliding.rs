@@ -1,6 +1,6 @@
 //! Sliding by behavioural sources, with friction as a steep function of the velocity in place of dry friction.
 
-use std::f64::consts::{FRAC_1_PI, FRAC_2_PI, PI};
+use std::f64::consts::{FRAC_2_PI, PI};
 
 use model_core::part::VACUUM_PERMITTIVITY;
 
@@ -105,7 +105,7 @@ fn elements(from: &SlidingParameters, frozen: bool) -> String {
         ForceLaw::None => "0".to_owned(),
     };
     let lateral = if from.lateral_force {
-        let slope = format!("{:e}/patch_radius_m*sqrt(1-pow({xi},2))", 2.0 * FRAC_1_PI);
+        let slope = format!("{FRAC_2_PI:e}/patch_radius_m*sqrt(1-pow({xi},2))");
         format!("(V(g)<0 ? 1 : -1)*{slope}*V(u)*(sigma_s+capacitance/2*V(u))")
     } else {
         "0".to_owned()

@@ -5,6 +5,8 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use serde_json::Value;
+
 use super::tool::{
     BEAM, BIMORPH, BUMP_STOP, PASSIVE, SLIDING, accepted, file, folder, json, number, place, refused, rows,
     set,
@@ -42,17 +44,22 @@ fn simulated(folder: &Path, deck: &str) -> String {
     String::from_utf8_lossy(&run.expect("ngspice starts").stdout).into_owned()
 }
 
-/// Mean power in W and RMS voltage in V of a scene with overrides: by ngspice of the exported files, and by the core.
-fn both(name: &str, scene: &str, overrides: &[&str]) -> [[f64; 2]; 2] {
+/// Asserts that mean power and RMS voltage of a scene with overrides by ngspice of the exported files are those by the core, within a
+/// relative bound; the result of the core.
+fn agreed(name: &str, scene: &str, overrides: &[&str], bound: f64) -> Value {
     let folder = folder(name);
     let [spice, deck] = ["harvester.cir", "harvester_test.cir"].map(|name| place(&folder, name));
     let set = set(overrides);
     accepted(&[&["export", scene, "--spice", &spice, "--deck", &deck][..], &set].concat());
     let printed = simulated(&folder, &deck);
     let core = json(&[&["run", scene, "--no-accuracy"][..], &set].concat());
-    let of_core = |name: &str| number(&core, name);
     let names = ["mean_power_w", "rms_voltage_v"];
-    [names.map(|name| measured(&printed, name)), names.map(of_core)]
+    let [by_ngspice, by_core] =
+        [names.map(|name| measured(&printed, name)), names.map(|name| number(&core, name))];
+    for (found, expected) in by_ngspice.iter().zip(by_core) {
+        assert!((found / expected - 1.0).abs() < bound, "{name}: {by_ngspice:?} {by_core:?}");
+    }
+    core
 }
 
 #[test]
@@ -82,10 +89,7 @@ fn ngspice_has_the_mean_power_of_a_cantilever() {
         ("export-parallel", BIMORPH, &["parameters.transducer=bimorph-parallel"]),
     ];
     for (name, scene, changes) in cases {
-        let [by_ngspice, by_core] = both(name, scene, &[&short[..], changes].concat());
-        for (found, expected) in by_ngspice.iter().zip(by_core) {
-            assert!((found / expected - 1.0).abs() < 1e-3, "{name}: {by_ngspice:?} {by_core:?}");
-        }
+        agreed(name, scene, &[&short[..], changes].concat(), 1e-3);
     }
 }
 
@@ -124,11 +128,8 @@ fn ngspice_has_the_mean_power_of_contact_separation() {
         ),
     ];
     for (name, overrides, bound, least) in cases {
-        let [by_ngspice, by_core] = both(name, PASSIVE, overrides);
-        assert!(by_core[0] > least, "{name}: {by_core:?}");
-        for (found, expected) in by_ngspice.iter().zip(by_core) {
-            assert!((found / expected - 1.0).abs() < bound, "{name}: {by_ngspice:?} {by_core:?}");
-        }
+        let power = number(&agreed(name, PASSIVE, overrides, bound), "mean_power_w");
+        assert!(power > least, "{name}: {power}");
     }
 }
 
@@ -159,15 +160,9 @@ fn ngspice_has_the_mean_power_of_sliding() {
     ];
     for (name, changes, bound, least, stick) in cases {
         let overrides = [&periods[..], changes].concat();
-        let [by_ngspice, by_core] = both(name, SLIDING, &overrides);
-        let found = number(
-            &json(&[&["run", SLIDING, "--no-accuracy"][..], &set(&overrides)].concat()),
-            "stick_fraction",
-        );
-        assert!(by_core[0] > least && (found - stick).abs() < 0.01, "{name}: {by_core:?}, {found} in stick");
-        for (found, expected) in by_ngspice.iter().zip(by_core) {
-            assert!((found / expected - 1.0).abs() < bound, "{name}: {by_ngspice:?} {by_core:?}");
-        }
+        let core = agreed(name, SLIDING, &overrides, bound);
+        let [power, found] = ["mean_power_w", "stick_fraction"].map(|name| number(&core, name));
+        assert!(power > least && (found - stick).abs() < 0.01, "{name}: {power}, {found} in stick");
     }
 }
 
