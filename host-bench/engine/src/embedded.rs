@@ -33,7 +33,7 @@ use model_core::scalar::{Libm, Mathematics, Micromath, Polynomial, Scalar};
 
 use self::excitation::with_setting;
 use crate::steady_state::{BestLoad, Resonance};
-use harvester_scene::method::{Failure, Math, Method, Options, Precision};
+use harvester_scene::method::{Failure, Math, Options, Precision};
 use harvester_scene::outcome::Outcome;
 use harvester_scene::scene_file::Scene;
 
@@ -175,16 +175,4 @@ pub fn best_resistance(
 /// The name of a precision, as the command line writes it.
 pub fn precision_name<S: Scalar>() -> &'static str {
     if size_of::<S>() == 4 { "f32" } else { "f64" }
-}
-
-/// The method that runs a triboelectric scene, as the command line writes it.
-fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::Auto | Method::ExponentialRadau => "exponential-radau",
-        Method::TrBdf2 => "tr-bdf2",
-        Method::Rk4 => "rk4",
-        Method::DiscreteGradient => "discrete-gradient",
-        Method::Newmark => "newmark",
-        Method::Reference => "reference",
-    }
 }

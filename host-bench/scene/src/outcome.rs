@@ -3,9 +3,10 @@
 mod accuracy;
 mod bump_stop;
 mod format;
-mod limits;
 
 use serde::Serialize;
+
+use crate::scene_file::limit_of_name;
 
 pub use self::accuracy::{Accuracy, CreatedEnergy, created_energy_warning};
 pub use self::bump_stop::{BUMP_STOP_COLUMNS, BumpStopOutcome, ClampOutcome};
@@ -13,7 +14,6 @@ pub use self::format::{
     Fields, Format, WIDTH, cell, csv, csv_line, csv_sections, fields, flattened, folded, name, number,
     optional_number, rows_csv, shown, small, table, text,
 };
-pub use self::limits::{LIMIT, MODEL, Margin, Margins};
 
 /// The result of one run.
 ///
@@ -246,8 +246,11 @@ pub struct ContactSeparationOutcome {
 }
 
 /// Columns of a recording of a contact-separation run.
-pub const CONTACT_SEPARATION_COLUMNS: [&str; 7] =
-    ["time_s", "gap_m", "velocity_m_per_s", "charge_c", "voltage_v", "base_acceleration_m_per_s2", "stuck"];
+pub const CONTACT_SEPARATION_COLUMNS: [&str; 7] = triboelectric_columns("gap_m");
+
+const fn triboelectric_columns(position: &'static str) -> [&'static str; 7] {
+    ["time_s", position, "velocity_m_per_s", "charge_c", "voltage_v", "base_acceleration_m_per_s2", "stuck"]
+}
 
 /// The numbers of a sliding run only.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -265,20 +268,72 @@ pub struct SlidingOutcome {
 }
 
 /// Columns of a recording of a sliding run.
-pub const SLIDING_COLUMNS: [&str; 7] = [
-    "time_s",
-    "displacement_m",
-    "velocity_m_per_s",
-    "charge_c",
-    "voltage_v",
-    "base_acceleration_m_per_s2",
-    "stuck",
-];
+pub const SLIDING_COLUMNS: [&str; 7] = triboelectric_columns("displacement_m");
 
 /// Columns of a recording behind a bridge: the columns without a bridge, and the voltage of the storage or bus.
 pub const fn with_store(columns: [&'static str; 7]) -> [&'static str; 8] {
     let [one, two, three, four, five, six, seven] = columns;
     [one, two, three, four, five, six, seven, "store_voltage_v"]
+}
+
+/// Beginning of a warning where nothing real is beyond the limit.
+pub const LIMIT: &str = "limit:";
+/// Beginning of a warning where the result is inaccurate beyond the limit.
+pub const MODEL: &str = "model:";
+
+/// The least margins of a whole run, its start included; of an orbit that was found by shooting, of one period.
+///
+/// There are none by the reference, and by the peers of a bump-stop scene.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Margins {
+    /// That to each limit of the model.
+    pub limits: Vec<Margin>,
+    /// The smallest of them; `None` where no limit is approached.
+    pub smallest_margin: Option<f64>,
+    /// The smallest to a limit beyond which nothing real is.
+    pub impossible_margin: Option<f64>,
+}
+
+impl Margins {
+    /// With the smallest of the margins.
+    pub fn new(limits: Vec<Margin>) -> Self {
+        let least = |counts: fn(&str) -> bool| {
+            let margins = limits.iter().filter(|found| counts(found.name)).filter_map(|found| found.margin);
+            margins.min_by(f64::total_cmp)
+        };
+        let is_impossible = |name: &str| limit_of_name(name).is_some_and(|(.., error)| error.is_none());
+        Self { smallest_margin: least(|_| true), impossible_margin: least(is_impossible), limits }
+    }
+}
+
+/// The least margin of a run to one limit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Margin {
+    /// Name of the compared quantity, with its unit.
+    pub name: &'static str,
+    /// Magnitude of the quantity at the least margin.
+    pub value: f64,
+    /// Its limit there; infinite, and `null` in JSON, where there is none.
+    pub limit: f64,
+    /// Limit over value; `None` where the value is 0 or has no limit.
+    pub margin: Option<f64>,
+    /// Time of the least margin in s.
+    pub at_s: f64,
+}
+
+impl Margin {
+    /// What to know where the margin is below 1; begins with [`LIMIT`] or [`MODEL`].
+    pub fn warning(&self) -> Option<String> {
+        let Self { name, value, limit, at_s, .. } = *self;
+        let margin = self.margin.filter(|margin| *margin < 1.0)?;
+        let (_, beyond, error) = limit_of_name(name)?;
+        let what = format!("{name} = {value:.3e} at {at_s:.5} s");
+        let said = format!("{what} is above {limit:.3e} (margin {margin:.3}): {beyond}");
+        Some(match error {
+            None => format!("{LIMIT} {said}"),
+            Some(error) => format!("{MODEL} {said}; relative error about {:.1e}", error(value, limit)),
+        })
+    }
 }
 
 /// The recorded motion: columns by name, one row for each instant.

@@ -21,7 +21,7 @@ use super::excitation::{HostExcitation, Setting, bridge};
 use super::limits::{Clamp, Gauge, MOST_MODES, limits};
 use super::report::{Report, RunSummary, dense, dense_voltage};
 use super::run::{Run, refuse_parameter, refuse_start};
-use harvester_scene::method::{Failure, Options};
+use harvester_scene::method::{Failure, Method, Options};
 use harvester_scene::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, with_store};
 use harvester_scene::scene_file::{BumpStop, Contact, Coupling, Load, Scene, Transducer};
 pub use observed::{
@@ -38,7 +38,7 @@ pub const DEFAULT_LONG_STEP_S: f64 = 2e-5;
 const RESOLVED_RAD: f64 = 0.45;
 
 /// The method of the core, as the command line writes it.
-pub(super) const METHOD: &str = "discrete-gradient";
+pub(super) const METHOD: Method = Method::DiscreteGradient;
 
 /// The core's parameters of a scene whose load is a resistor; a bridge is taken as it is while it blocks.
 pub fn parameters<S: Scalar>(model: &BumpStop, load: Load) -> Parameters<S, AnyChoices<S>> {

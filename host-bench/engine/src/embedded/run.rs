@@ -16,7 +16,7 @@ use super::report::{Blocks, Recorder, Report, RunSummary};
 use super::{DEFAULT_TOLERANCE, auto, precision_name};
 use crate::steady_state::{Total, given_up};
 use harvester_scene::method::{Failure, Method, Options, refuse_first};
-use harvester_scene::outcome::{CreatedEnergy, EnergyFlow, Margins, Outcome, Recording, StoreOutcome};
+use harvester_scene::outcome::{CreatedEnergy, EnergyFlow, Margins, Outcome, Recording, StoreOutcome, name};
 use harvester_scene::progress;
 use harvester_scene::scene_file::{Load, Random, RunSpan, Scene};
 
@@ -137,8 +137,7 @@ pub(super) struct Run<'a, S: Scalar, H, R> {
     pub(super) setting: Setting<'a, S>,
     pub(super) harvester: &'a H,
     pub(super) report: &'a R,
-    /// Name of the method, as the command line writes it.
-    pub(super) method: &'static str,
+    pub(super) method: Method,
 }
 
 /// The meters of a run. A bare run has the window alone.
@@ -277,7 +276,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         let ledger = meters.whole.as_ref().map(|(ledger, _)| ledger);
         Outcome {
             scene: scene.name(),
-            method: self.method.to_owned(),
+            method: name(&self.method),
             precision: precision_name::<S>(),
             math,
             duration_s: span.duration_s,

@@ -11,10 +11,9 @@ use model_core::scene::{Harvester, Scene as CoreScene, Simulation};
 
 use super::excitation::{Setting, bridge};
 use super::limits::Gauge;
-use super::method_name;
 use super::report::{Report, RunSummary, dense, dense_voltage};
 use super::run::{Run, refuse_start, step_control};
-use harvester_scene::method::Failure;
+use harvester_scene::method::{Failure, Method};
 use harvester_scene::outcome::{Outcome, Particular, with_store};
 use harvester_scene::scene_file::{Draw, Load, Scene};
 
@@ -188,7 +187,11 @@ impl<'a, S: Scalar, A: Copy, T: Triboelectric> Prepared<'a, S, A, T> {
         'a: 'b,
     {
         let Self { setting, model, .. } = *self;
-        Run { setting, harvester: simulation, report: model, method: method_name(setting.options.method) }
+        let method = match setting.options.method {
+            Method::Auto => Method::ExponentialRadau,
+            method => method,
+        };
+        Run { setting, harvester: simulation, report: model, method }
     }
 
     /// Runs from `start` to the end of the scene by the method of the options.
