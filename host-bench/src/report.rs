@@ -16,6 +16,7 @@ use self::file::refused;
 use self::page::{Page, escaped};
 pub(crate) use self::terminal::terminal;
 use crate::method::{Failure, Math, Method, Precision};
+use crate::rows::headings;
 use crate::work_precision::table::resistance;
 use crate::work_precision::triboelectric::method_name;
 use crate::work_precision::{Comparison, Variant};
@@ -99,7 +100,7 @@ pub(crate) fn report(comparisons: &[Comparison]) -> Result<String, Failure> {
             let is_beyond = !comparison.reaches_target(row) && row.variant.method != Method::Reference;
             (if is_beyond { "beyond" } else { "" }, comparison.cells(row))
         });
-        page.table(&comparison.kind.headings(), rows, comparison.kind.words);
+        page.table(&headings(comparison.kind.columns), rows, comparison.kind.words);
         let grey = format!("Grey: {quantity} not within {:.0e} of the reference.", comparison.target_error());
         std::iter::once(grey).chain(comparison.notes()).for_each(|note| page.note(&note));
     }

@@ -44,6 +44,10 @@ impl Digits {
 /// A column of the table: its heading, the name of its value in JSON and CSV, and its digits.
 pub(crate) type Column<'a> = (&'a str, &'a str, Digits);
 
+pub(crate) fn headings<'a>(columns: &[Column<'a>]) -> Vec<&'a str> {
+    columns.iter().map(|(heading, ..)| *heading).collect()
+}
+
 /// Rows with names and values in the order of JSON.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows(pub(crate) Vec<Fields>);
@@ -53,14 +57,17 @@ impl Rows {
         Self(rows.into_iter().map(|row| fields(row)).collect())
     }
 
+    /// The cells of each row for people.
+    pub(crate) fn cells(&self, columns: &[Column<'_>]) -> impl Iterator<Item = Vec<String>> {
+        self.0.iter().cloned().map(flattened).map(|row| {
+            let cell = |(_, key, digits): &Column<'_>| digits.shown(row.get(*key));
+            columns.iter().map(cell).collect()
+        })
+    }
+
     /// The table for people, of which the first `words` columns stand at the left.
     pub(crate) fn table(&self, style: TableStyle, columns: &[Column<'_>], words: usize) -> String {
-        let rows = self.0.iter().cloned().map(flattened);
-        let cells = rows.map(|row| {
-            let cell = |(_, key, digits): &Column<'_>| digits.shown(row.get(*key));
-            columns.iter().map(cell).collect::<Vec<_>>()
-        });
-        table(style, columns.iter().map(|(heading, ..)| *heading).collect::<Vec<_>>(), cells, words)
+        table(style, headings(columns), self.cells(columns), words)
     }
 
     /// The names of the first row's values as columns.

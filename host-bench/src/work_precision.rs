@@ -15,9 +15,9 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
-use self::table::Column;
 use crate::method::{Failure, Math, Method, Options, Precision};
 use crate::outcome::Outcome;
+use crate::rows::Column;
 use crate::run::{run_scene, try_run_scene};
 use crate::scene_file::Scene;
 pub(crate) use table::{Control, Extent, Variant};
@@ -34,7 +34,11 @@ pub(crate) struct Kind {
     target: (&'static str, f64),
     /// Whether the reference has a row of its own.
     lists_reference: bool,
-    columns: &'static [Column],
+    pub(crate) columns: &'static [Column<'static>],
+    /// The columns of CSV, with commas between them.
+    csv: &'static str,
+    /// Cells of a row beside its own numbers, or in place of them.
+    cells: fn(&Comparison, &Row) -> Vec<(&'static str, Value)>,
     /// Columns at the left that hold words.
     pub(crate) words: usize,
     /// What is above the table.

@@ -3,10 +3,11 @@
 
 use serde_json::{Value, json};
 
-use super::table::{Cell, Column, grouped, microseconds, reason, shown};
-use super::{Comparison, Control, Errors, Extent, Kind, Variant, relative};
+use super::table::{WORK, error, grouped, microseconds, reason, shown};
+use super::{Comparison, Control, Errors, Extent, Kind, Row, Variant, relative};
 use crate::method::{Method, Precision};
-use crate::outcome::{BumpStopOutcome, Outcome, name};
+use crate::outcome::{BumpStopOutcome, Outcome};
+use crate::rows::{Column, Digits};
 use crate::scene_file::{BumpStop, Scene};
 
 /// Steps near contact in s that are tried.
@@ -29,6 +30,8 @@ pub(super) const KIND: Kind = Kind {
     target: (RMS_VOLTAGE, 1e-2),
     lists_reference: false,
     columns: &COLUMNS,
+    csv: CSV,
+    cells,
     words: 2,
     title,
     notes: |table| vec![errors_note(table), fastest_note(table)],
@@ -36,31 +39,38 @@ pub(super) const KIND: Kind = Kind {
     summary,
 };
 
-const COLUMNS: [Column; 18] = [
-    Column::of("", "scene", |table, _| Cell::word(table.file())),
-    Column::of("", "beam_modes", |table, _| Cell::word(modes(&table.scene)[0])),
-    Column::of("", "rod_modes", |table, _| Cell::word(modes(&table.scene)[1])),
-    Column::of("method", "method", |_, row| {
-        Cell::Words(method_name(&row.variant).to_owned(), name(&row.variant.method))
-    }),
-    Column::of("precision", "precision", |_, row| Cell::word(name(&row.variant.precision))),
-    Column::of("step [us]", "step_s", |_, row| {
-        let [step_s, _] = steps_of(&row.variant);
-        Cell::Words(step_s.map(microseconds).unwrap_or_default().to_string(), Cell::Small(step_s).csv())
-    }),
-    Column::of("", "long_step_s", |_, row| Cell::Small(steps_of(&row.variant)[1])),
-    Column::error("error at the end", END),
-    Column::error("of first contact", FIRST_CONTACT),
-    Column::error("of RMS voltage", RMS_VOLTAGE),
-    Column::error("of mean force", MEAN_FORCE),
-    Column::found("contacts", "contacts", |found| Cell::word(found.contacts.unwrap_or(0))),
-    Column::STEPS,
-    Column::TIME,
-    Column::TIME_SPREAD,
-    Column::TIME_RATIO,
-    Column::ENERGY_RESIDUAL,
-    Column::of("", "failure", |_, row| Cell::word(row.failure.as_deref().map(reason).unwrap_or_default())),
-];
+const COLUMNS: [Column<'_>; 13] = {
+    let [steps, time, spread, ratio, residual] = WORK;
+    [
+        ("method", "method_name", Digits::Word),
+        ("precision", "precision", Digits::Word),
+        ("step [us]", "step_us", Digits::Word),
+        error("error at the end", END),
+        error("of first contact", FIRST_CONTACT),
+        error("of RMS voltage", RMS_VOLTAGE),
+        error("of mean force", MEAN_FORCE),
+        ("contacts", "contacts", Digits::Six),
+        steps,
+        time,
+        spread,
+        ratio,
+        residual,
+    ]
+};
+const CSV: &str = "scene,beam_modes,rod_modes,method,precision,step_s,long_step_s,end_error,first_contact_error,rms_voltage_error,\
+    mean_force_error,contacts,steps_per_s,ns_per_s,time_spread,time_ratio,energy_residual,failure";
+
+fn cells(table: &Comparison, row: &Row) -> Vec<(&'static str, Value)> {
+    let ([beam, rod], [step_s, _]) = (modes(&table.scene), steps_of(&row.variant));
+    vec![
+        ("scene", table.file().into()),
+        ("beam_modes", beam.into()),
+        ("rod_modes", rod.into()),
+        ("method_name", method_name(&row.variant).into()),
+        ("step_us", step_s.map(microseconds).unwrap_or_default().to_string().into()),
+        ("failure", row.failure.as_deref().map(reason).into()),
+    ]
+}
 
 /// Modes of the beam and of the rod.
 fn modes(scene: &Scene) -> [usize; 2] {

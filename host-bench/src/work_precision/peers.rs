@@ -34,7 +34,7 @@ const RUNS: usize = 5;
 const SECONDS: f64 = 0.2;
 
 /// A method at one setting on one scene.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub(crate) struct Row {
     pub(crate) scene: &'static str,
     /// Load resistance in Ω; `None` behind a bridge.
@@ -146,12 +146,7 @@ pub(crate) fn compare(case: Case, progress: &dyn Fn(&str)) -> Result<Comparison,
         peer: method.peer().is_some(),
         tolerance: (!method.is_fixed()).then_some(setting),
         steps_per_period: method.is_fixed().then_some(setting),
-        error: None,
-        instructions_per_simulated_second: None,
-        seconds_per_simulated_second: None,
-        time_spread: None,
-        steps_per_simulated_second: None,
-        failure: None,
+        ..Row::default()
     };
     let methods: Vec<Method> = Method::all().filter(|method| fits(&scene, *method)).collect();
     let mut rows: Vec<Vec<Row>> = methods

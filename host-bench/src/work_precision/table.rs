@@ -4,101 +4,27 @@ use comfy_table::presets;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use super::{Comparison, Kind, Measured, Omitted, Row};
+use super::{Comparison, Omitted, Row};
 use crate::method::{Math, Method, Options, Precision};
-use crate::outcome::{csv_line, csv_sections, name, number, optional_number, small, table};
+use crate::outcome::{Fields, csv_sections, fields, name, rows_csv, table};
+use crate::rows::{Column, Digits, Rows, headings};
 
-pub(crate) struct Column {
-    /// Its heading in the terminal and on a page, unit included; empty for a column of CSV only.
-    heading: &'static str,
-    /// Its name in CSV; empty for a column that CSV does not have.
-    key: &'static str,
-    value: Value,
+const ERROR: Digits = Digits::Exponent(1);
+const RATIO: Digits = Digits::By(|value| ratio(Some(value)));
+
+/// The column of an error.
+pub(super) const fn error(heading: &'static str, name: &'static str) -> Column<'static> {
+    (heading, name, ERROR)
 }
 
-enum Value {
-    /// The error of this name.
-    Error(&'static str),
-    Of(fn(&Comparison, &Row) -> Cell),
-    /// Of a row that did not fail.
-    Measured(fn(&Measured) -> Cell),
-}
-
-impl Column {
-    pub(super) const STEPS: Self =
-        Self::found("steps per simulated s", "steps_per_s", |found| Cell::Large(found.steps_per_s));
-    pub(super) const TIME: Self =
-        Self::found("host ns per simulated s", "ns_per_s", |found| Cell::Large(found.ns_per_s));
-    pub(super) const TIME_SPREAD: Self =
-        Self::found("spread", "time_spread", |found| Cell::Ratio(found.time_spread));
-    pub(super) const TIME_RATIO: Self =
-        Self::found("time ratio", "time_ratio", |found| Cell::Ratio(found.time_ratio));
-    pub(super) const ENERGY_RESIDUAL: Self =
-        Self::found("energy residual", "energy_residual", |found| Cell::Small(found.energy_residual));
-
-    pub(super) const fn of(
-        heading: &'static str,
-        key: &'static str,
-        value: fn(&Comparison, &Row) -> Cell,
-    ) -> Self {
-        Self { heading, key, value: Value::Of(value) }
-    }
-
-    pub(super) const fn found(
-        heading: &'static str,
-        key: &'static str,
-        value: fn(&Measured) -> Cell,
-    ) -> Self {
-        Self { heading, key, value: Value::Measured(value) }
-    }
-
-    pub(super) const fn error(heading: &'static str, name: &'static str) -> Self {
-        Self { heading, key: name, value: Value::Error(name) }
-    }
-
-    fn cell(&self, comparison: &Comparison, row: &Row) -> Cell {
-        match self.value {
-            Value::Error(name) => Cell::Small(row.error(name)),
-            Value::Of(value) => value(comparison, row),
-            Value::Measured(value) => row.found.as_ref().map_or(Cell::Small(None), value),
-        }
-    }
-}
-
-/// The value of a cell, which decides how it is printed.
-pub(crate) enum Cell {
-    /// In the terminal, and in CSV.
-    Words(String, String),
-    /// A small number, such as an error.
-    Small(Option<f64>),
-    /// A large number.
-    Large(f64),
-    /// A number of about one.
-    Ratio(Option<f64>),
-}
-
-impl Cell {
-    pub(super) fn word(word: impl ToString) -> Self {
-        Self::Words(word.to_string(), word.to_string())
-    }
-
-    fn shown(&self) -> String {
-        match self {
-            Self::Words(shown, _) => shown.clone(),
-            Self::Small(value) => small(*value),
-            Self::Large(value) => grouped(*value),
-            Self::Ratio(value) => ratio(*value),
-        }
-    }
-
-    pub(super) fn csv(&self) -> String {
-        match self {
-            Self::Words(_, csv) => csv.clone(),
-            Self::Large(value) => number(*value),
-            Self::Small(value) | Self::Ratio(value) => optional_number(*value),
-        }
-    }
-}
+/// The last columns of every table.
+pub(super) const WORK: [Column<'_>; 5] = [
+    ("steps per simulated s", "steps_per_s", Digits::By(grouped)),
+    ("host ns per simulated s", "ns_per_s", Digits::By(grouped)),
+    ("spread", "time_spread", RATIO),
+    ("time ratio", "time_ratio", RATIO),
+    ("energy residual", "energy_residual", ERROR),
+];
 
 /// An integer in groups of three digits.
 pub(super) fn grouped(value: f64) -> String {
@@ -132,30 +58,21 @@ pub(super) fn reason(failure: &str) -> String {
     failure.split(": ").next().unwrap_or(failure).to_owned()
 }
 
-impl Kind {
-    pub(crate) fn headings(&self) -> Vec<&'static str> {
-        self.columns.iter().map(|column| column.heading).filter(|heading| !heading.is_empty()).collect()
-    }
-
-    fn csv_heading(&self) -> String {
-        let keys = self.columns.iter().map(|column| column.key).filter(|key| !key.is_empty());
-        csv_line(keys.map(str::to_owned))
-    }
-}
-
 impl Comparison {
-    /// The cells of a row under [`Kind::headings`]. A row that failed says so in place of its first number.
+    /// The numbers of a row with the cells that its kind has beside them.
+    fn all_cells(&self, row: &Row) -> Fields {
+        let own = (self.kind.cells)(self, row).into_iter();
+        fields(row).into_iter().chain(own.map(|(name, value)| (name.to_owned(), value))).collect()
+    }
+
+    /// The cells of a row under the columns. A row that failed says so in place of its first error.
     pub(crate) fn cells(&self, row: &Row) -> Vec<String> {
-        let columns = self.kind.columns.iter().filter(|column| !column.heading.is_empty());
-        let cells: Vec<Cell> = columns.map(|column| column.cell(self, row)).collect();
-        let first = cells.iter().position(|cell| !matches!(cell, Cell::Words(..)));
-        let mut shown: Vec<String> = cells.iter().map(Cell::shown).collect();
-        if row.found.is_none()
-            && let Some(cell) = first.and_then(|first| shown.get_mut(first))
-        {
-            *cell = "fails (1)".to_owned();
+        let (columns, mut cells) = (self.kind.columns, self.all_cells(row));
+        let first = columns.iter().find(|(.., digits)| matches!(digits, Digits::Exponent(_)));
+        if let (Some((_, name, _)), None) = (first, &row.found) {
+            cells.insert((*name).to_owned(), "fails (1)".into());
         }
-        shown
+        Rows(vec![cells]).cells(columns).next().unwrap_or_default()
     }
 
     /// What is above the table.
@@ -179,14 +96,8 @@ impl Comparison {
     /// Title, table and notes for a terminal.
     pub(crate) fn text(&self) -> String {
         let cells = self.rows.iter().map(|row| self.cells(row));
-        let table = table(presets::ASCII_MARKDOWN, self.kind.headings(), cells, self.kind.words);
+        let table = table(presets::ASCII_MARKDOWN, headings(self.kind.columns), cells, self.kind.words);
         format!("{}\n\n{table}\n{}\n", self.title(), self.notes().join("\n"))
-    }
-
-    fn csv_rows(&self) -> String {
-        let columns = || self.kind.columns.iter().filter(|column| !column.key.is_empty());
-        let line = |row| csv_line(columns().map(|column| column.cell(self, row).csv()));
-        self.rows.iter().map(line).collect()
     }
 }
 
@@ -196,8 +107,13 @@ pub(crate) fn text(comparisons: &[Comparison]) -> String {
 
 /// All tables as CSV, with a heading where the columns change.
 pub(crate) fn csv(comparisons: &[Comparison]) -> String {
-    let section = |comparison: &Comparison| (comparison.kind.csv_heading(), comparison.csv_rows());
-    csv_sections(comparisons.iter().map(section))
+    let section = |comparison: &Comparison| {
+        let columns: Vec<String> = comparison.kind.csv.split(',').map(str::to_owned).collect();
+        let rows: Vec<Fields> = comparison.rows.iter().map(|row| comparison.all_cells(row)).collect();
+        let text = rows_csv(&columns, &rows);
+        text.split_once('\n').map(|(heading, rows)| (format!("{heading}\n"), rows.to_owned()))
+    };
+    csv_sections(comparisons.iter().filter_map(section))
 }
 
 /// A resistance in Ω with its unit.

@@ -6,10 +6,11 @@ use model_core::clock::LONGEST_STEP_S;
 use model_core::part::VACUUM_PERMITTIVITY;
 use serde_json::Value;
 
-use super::table::{Cell, Column, resistance, shown};
-use super::{Comparison, Control, Errors, Extent, Kind, Variant, relative};
+use super::table::{WORK, error, resistance, shown};
+use super::{Comparison, Control, Errors, Extent, Kind, Row, Variant, relative};
 use crate::method::{Math, Method, Precision};
 use crate::outcome::{Outcome, name};
+use crate::rows::{Column, Digits};
 use crate::scene_file::{ContactSeparation, Scene};
 
 /// Name of the error by which rows are compared.
@@ -24,6 +25,8 @@ pub(super) const KIND: Kind = Kind {
     target: (MEAN_POWER, 1e-3),
     lists_reference: true,
     columns: &COLUMNS,
+    csv: CSV,
+    cells,
     words: 4,
     title,
     notes,
@@ -31,30 +34,37 @@ pub(super) const KIND: Kind = Kind {
     summary,
 };
 
-const COLUMNS: [Column; 18] = [
-    Column::of("", "scene", |table, _| Cell::word(table.file())),
-    Column::of("", "resistance_ohm", |table, _| Cell::Small(Some(table.scene.load.resistance_ohm()))),
-    Column::of("method", "method", |_, row| Cell::word(method_name(&row.variant))),
-    Column::of("precision", "precision", |_, row| Cell::word(name(&row.variant.precision))),
-    Column::of("math", "math", |_, row| {
-        Cell::word(row.variant.math.as_ref().map_or_else(|| "std".to_owned(), name))
-    }),
-    Column::of("step or tolerance", "step_or_tolerance", |_, row| Cell::word(row.variant.control)),
-    Column::error("error of mean power", MEAN_POWER),
-    Column::error("of RMS voltage", RMS_VOLTAGE),
-    Column::of("of first impact or amplitude", "", |_, row| {
-        Cell::Small(row.error(FIRST_IMPACT).or(row.error(AMPLITUDE)))
-    }),
-    Column::error("", FIRST_IMPACT),
-    Column::error("", AMPLITUDE),
-    Column::STEPS,
-    Column::TIME,
-    Column::TIME_SPREAD,
-    Column::TIME_RATIO,
-    Column::ENERGY_RESIDUAL,
-    Column::found("", "runs", |found| Cell::word(found.runs)),
-    Column::of("", "failure", |_, row| Cell::word(row.failure.as_deref().unwrap_or_default())),
-];
+const COLUMNS: [Column<'_>; 12] = {
+    let [steps, time, spread, ratio, residual] = WORK;
+    [
+        ("method", "method", Digits::Word),
+        ("precision", "precision", Digits::Word),
+        ("math", "math", Digits::Word),
+        ("step or tolerance", "step_or_tolerance", Digits::Word),
+        error("error of mean power", MEAN_POWER),
+        error("of RMS voltage", RMS_VOLTAGE),
+        error("of first impact or amplitude", "first_impact_or_amplitude"),
+        steps,
+        time,
+        spread,
+        ratio,
+        residual,
+    ]
+};
+const CSV: &str = "scene,resistance_ohm,method,precision,math,step_or_tolerance,mean_power_error,rms_voltage_error,\
+    first_impact_error,amplitude_error,steps_per_s,ns_per_s,time_spread,time_ratio,energy_residual,runs,failure";
+
+fn cells(table: &Comparison, row: &Row) -> Vec<(&'static str, Value)> {
+    let math = row.variant.math.as_ref().map_or_else(|| "std".to_owned(), name);
+    vec![
+        ("scene", table.file().into()),
+        ("resistance_ohm", table.scene.load.resistance_ohm().into()),
+        ("method", method_name(&row.variant).into()),
+        ("math", math.into()),
+        ("step_or_tolerance", row.variant.control.to_string().into()),
+        ("first_impact_or_amplitude", row.error(FIRST_IMPACT).or(row.error(AMPLITUDE)).into()),
+    ]
+}
 
 fn first_impact(outcome: &Outcome) -> Option<f64> {
     outcome.contact_separation()?.first_impact_s
