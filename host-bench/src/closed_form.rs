@@ -3,15 +3,13 @@
 use model_core::bounds::ParameterError;
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{ClosedForm, Reason, Validity};
-use serde_json::json;
 
 use crate::embedded::bump_stop_parameters;
 use crate::method::{Failure, Precision};
-use crate::outcome::{Fields, fields};
 use crate::scene_file::{BumpStop, Draw, Excitation, Load, Model, RectifiedStore, Scene};
 
 /// The closed form of a scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Estimate {
     /// Mean power in the load in W.
     pub mean_power_w: f64,
@@ -20,36 +18,14 @@ pub struct Estimate {
     /// Amplitude of the tip in m.
     pub amplitude_m: f64,
     /// Mean current in A into the storage or bus behind a bridge, its charge per second; `None` without one, and at 0 V.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_store_current_a: Option<f64>,
+    /// Whether the closed form holds.
+    pub holds: bool,
     /// Why a trajectory is needed; `None` where the closed form holds.
     pub reason: Option<&'static str>,
     /// The requirement with the least margin, as a part of its limit; above 1 the requirement is not met.
     pub margin: f64,
-}
-
-impl Estimate {
-    /// Whether the closed form holds.
-    pub fn holds(&self) -> bool {
-        self.reason.is_none()
-    }
-
-    /// Names and values, as the command line prints them.
-    pub(crate) fn fields(&self) -> Fields {
-        let mut named = fields(&json!({
-            "mean_power_w": self.mean_power_w,
-            "rms_voltage_v": self.rms_voltage_v,
-            "amplitude_m": self.amplitude_m,
-        }));
-        if let Some(current) = self.mean_store_current_a {
-            named.extend(fields(&json!({ "mean_store_current_a": current })));
-        }
-        named.extend(fields(&json!({
-            "holds": self.holds(),
-            "reason": self.reason,
-            "margin": self.margin,
-        })));
-        named
-    }
 }
 
 /// The closed form of a scene under one sine, in a precision.
@@ -151,6 +127,7 @@ impl Estimate {
             rms_voltage_v: found.rms_voltage.to_f64(),
             amplitude_m: found.amplitude.to_f64(),
             mean_store_current_a: None,
+            holds: reason.is_none(),
             reason,
             margin: margin.to_f64(),
         }

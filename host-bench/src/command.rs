@@ -1,28 +1,30 @@
 //! The commands of the binary.
 
-pub mod attractors;
-pub mod budget;
-pub mod design;
-pub mod export;
+mod attractors;
+mod budget;
+mod design;
+mod export;
 mod files;
-pub mod findings;
-pub mod fit;
-pub mod keys;
-pub mod map;
-pub mod needs;
-pub mod node_strategies;
+mod findings;
+mod fit;
+mod keys;
+pub mod line;
+mod map;
+mod needs;
+mod node_strategies;
 pub mod on_target;
-pub mod optimise;
-pub mod plot;
-pub mod resonance;
+mod optimise;
+mod plot;
+mod resonance;
 mod rows;
-pub mod run;
-pub mod stability;
-pub mod stop;
-pub mod sweep;
-pub mod tolerance;
-pub mod work_precision;
+mod run;
+mod stability;
+mod stop;
+mod sweep;
+mod tolerance;
+mod work_precision;
 
+use std::cell::RefCell;
 use std::io::Write;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -37,7 +39,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::method::{Failure, Options};
 use crate::name::Name;
 use crate::outcome::Format;
-pub use crate::report::file::{set_width_mm, width_mm};
+pub(crate) use crate::report::file::{set_width_mm, width_mm};
 use crate::scene_file::{Override, Scene, contains, replaces};
 use harvester_scene::progress;
 
@@ -55,6 +57,17 @@ pub struct SceneArguments {
     /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<Override>,
+}
+
+/// The scene file of a command that has other options than [`SceneArguments`].
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct FileArguments {
+    /// Scene file
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<Override>,
 }
 
 /// The shipped scenes of the reports.
@@ -108,12 +121,43 @@ pub(crate) fn print_line(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
+thread_local! {
+    /// What a command of this thread has printed, while [`printed`] runs it.
+    static PRINTED: RefCell<Option<String>> = const { RefCell::new(None) };
+}
+
+/// Runs a command for a caller in this process. Returns what it prints on standard output; it writes no file that its options
+/// do not name.
+///
+/// # Errors
+/// Those of the command, but for a part of the result that could not be had: the result says so.
+pub fn printed(run: impl FnOnce() -> Result<(), Failure>) -> Result<String, Failure> {
+    PRINTED.set(Some(String::new()));
+    let done = run();
+    let text = PRINTED.take().unwrap_or_default();
+    done.map(|()| text)
+}
+
+/// Whether the command runs for a caller in this process.
+pub(crate) fn is_called() -> bool {
+    PRINTED.with_borrow(Option::is_some)
+}
+
+/// Fails, after the result was printed, by what the result says too.
+pub(crate) fn fail_after_result(reason: String) -> Result<(), Failure> {
+    if is_called() { Ok(()) } else { Err(Failure::Step(reason)) }
+}
+
 /// Prints the result on standard output, on standard error where a file of the command is standard output, without control characters other than line breaks and tabs.
 ///
 /// # Errors
 /// If it cannot be written. A reader that closed its end is no error.
-pub fn print(text: &str) -> Result<(), Failure> {
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let text = text.replace(|letter: char| letter.is_control() && !['\n', '\t'].contains(&letter), "");
+    let called = PRINTED.with_borrow_mut(|printed| printed.as_mut().map(|printed| printed.push_str(&text)));
+    if called.is_some() {
+        return Ok(());
+    }
     let is_taken = files::OUTPUT_IS_A_FILE.load(Ordering::Relaxed);
     let mut output: Box<dyn Write> =
         if is_taken { Box::new(std::io::stderr().lock()) } else { Box::new(std::io::stdout().lock()) };
@@ -241,7 +285,7 @@ const LOOK: Duration = Duration::from_millis(100);
 static QUIET: AtomicBool = AtomicBool::new(false);
 
 /// Prints errors and warnings only from here on.
-pub fn be_quiet() {
+pub(crate) fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 

@@ -10,7 +10,7 @@ pub mod figures;
 pub mod findings;
 mod fit;
 pub mod map;
-pub mod motion;
+mod motion;
 mod needs;
 pub mod on_target;
 mod optimise;

@@ -7,20 +7,20 @@ use std::path::Path;
 
 use plotters::style::RGBColor;
 
-pub(crate) use self::series::{Series, quantity};
+pub(crate) use self::series::Series;
 
 use crate::method::{Failure, Math, Options, Precision};
 use crate::name::Name;
 use crate::report::Picture;
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::file::columns;
-use crate::report::setting::{scaled, with_unit};
+use crate::report::setting::{number_and_unit, scaled, with_unit};
 use crate::report::svg::{BLACK, COLOURS, range};
 use crate::scene_file::{Excitation, Scene, Tone};
 
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum View {
+pub(crate) enum View {
     /// Quantities over time.
     History,
     /// Velocity over position.
@@ -33,7 +33,7 @@ pub enum View {
 
 /// An axis of the spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum LogAxis {
+pub(crate) enum LogAxis {
     /// Frequency.
     X,
     /// Amplitude.
@@ -215,7 +215,7 @@ fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) ->
     };
     let all: Vec<Vec<(f64, f64)>> = series.iter().map(within).collect();
     let largest = all.iter().flatten().fold(0.0_f64, |largest, (_, value)| largest.max(value.abs()));
-    let (word, unit) = quantity(column);
+    let (word, unit) = number_and_unit(column);
     let (up, factor) = scaled(&word, unit, largest);
     let mut curves: Vec<Curve> = coloured(series)
         .zip(all)
@@ -244,7 +244,7 @@ fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let all: Vec<Vec<[f64; 3]>> = series.iter().map(|one| one.portrait(wanted.span_s)).collect();
     let largest = |of: usize| all.iter().flatten().map(|row| row[of]).fold(0.0_f64, |a, b| a.max(b.abs()));
     let column = series.iter().find_map(Series::position)?;
-    let (position, x_factor) = scaled(&quantity(column).0, "m", largest(1));
+    let (position, x_factor) = scaled(&number_and_unit(column).0, "m", largest(1));
     let (velocity, y_factor) = scaled("velocity", "m/s", largest(2));
     let curves: Vec<Curve> = coloured(series)
         .zip(all)
@@ -275,7 +275,7 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     if !(largest > 0.0) {
         return None;
     }
-    let (word, unit) = quantity(column);
+    let (word, unit) = number_and_unit(column);
     let (name, factor) = scaled(&word, unit, largest);
     // Below a millionth of the largest line there is rounding.
     let floor = 1e-6 * factor * largest;

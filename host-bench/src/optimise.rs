@@ -387,33 +387,37 @@ impl Optimum {
         };
         let others: Vec<Value> = self.others.iter().map(other).collect();
         let value = self.best.value();
-        let mut all = Map::new();
-        let mut put = |key: &str, value: Value| all.insert(key.to_owned(), value);
-        put("scene", json!(self.outcome.scene));
-        put("quantity", json!(request.quantity));
-        put("sought", json!(if request.is_largest { "maximum" } else { "minimum" }));
-        put("value", json!(value.map(|value| request.signed(value))));
-        put("point", Value::Object(of_point(&self.best)));
-        put("range_within_1_percent", ranges(&self.flat));
-        put("other_optima", json!(others));
-        put("searched", json!(self.searched));
-        put("at_bound", by_key(&|index| json!(self.best.is_at_bound(index))));
+        let mut all = fields(&json!({
+            "scene": self.outcome.scene,
+            "quantity": request.quantity,
+            "sought": if request.is_largest { "maximum" } else { "minimum" },
+            "value": value.map(|value| request.signed(value)),
+            "point": of_point(&self.best),
+            "range_within_1_percent": ranges(&self.flat),
+            "other_optima": others,
+            "searched": self.searched,
+            "at_bound": by_key(&|index| json!(self.best.is_at_bound(index))),
+        }));
         if let Some(without) = &self.unconstrained {
             let value_without = without.value();
             let cost = value_without.zip(value).map(|(without, with)| without - with);
-            put("constraints", self.constraints(request));
-            put("unconstrained_value", json!(value_without.map(|value| request.signed(value))));
-            put("unconstrained_point", Value::Object(of_point(without)));
-            put("constraint_cost", json!(cost));
             let relative = cost.zip(value_without).map(|(cost, without)| cost / without.abs());
-            put("constraint_cost_relative", json!(relative.filter(|relative| relative.is_finite())));
+            all.extend(fields(&json!({
+                "constraints": self.constraints(request),
+                "unconstrained_value": value_without.map(|value| request.signed(value)),
+                "unconstrained_point": of_point(without),
+                "constraint_cost": cost,
+                "constraint_cost_relative": relative.filter(|relative| relative.is_finite()),
+            })));
         }
         let [runs, failed] = self.runs;
-        put("evaluations", json!(runs));
-        put("failed", json!(failed));
-        put("accuracy", json!(self.outcome.accuracy));
-        put("warnings", json!(self.warnings().collect::<Vec<_>>()));
-        put("result", Value::Object(fields(&self.outcome)));
+        all.extend(fields(&json!({
+            "evaluations": runs,
+            "failed": failed,
+            "accuracy": self.outcome.accuracy,
+            "warnings": self.warnings().collect::<Vec<_>>(),
+            "result": self.outcome,
+        })));
         all
     }
 

@@ -116,12 +116,10 @@ pub struct Statistics {
     seeds: [u64; 2],
     confidence: f64,
     /// Each quantity of an outcome, over the seeds.
-    statistics: serde_json::Map<String, serde_json::Value>,
+    statistics: Fields,
     /// The largest statement of the seeds, and their warnings.
     #[serde(flatten)]
     pub(crate) stated: Fields,
-    #[serde(skip)]
-    statistics_by_quantity: Vec<(String, SampleStatistics)>,
 }
 
 impl Statistics {
@@ -159,9 +157,6 @@ impl Statistics {
             .collect::<Result<_, Failure>>()?;
         let statements = Statements::of(std::iter::once(&first).chain(&others));
         let rows: Vec<Fields> = std::iter::once(&first).chain(&others).map(fields).collect();
-        let statistics_by_quantity = statistics_by_quantity(&rows);
-        let of_spread =
-            |(name, statistics): &(String, SampleStatistics)| (name.clone(), fields(statistics).into());
         Ok(Self {
             scene: first.scene,
             method: first.method,
@@ -172,9 +167,8 @@ impl Statistics {
             base_rms_m_per_s2: first.base_rms_m_per_s2,
             seeds: [seeds.first, seeds.first + seeds.count - 1],
             confidence: CONFIDENCE,
-            statistics: statistics_by_quantity.iter().map(of_spread).collect(),
+            statistics: statistics_by_quantity(&rows),
             stated: statements.fields(&[]),
-            statistics_by_quantity,
         })
     }
 
@@ -191,13 +185,13 @@ impl Statistics {
     }
 
     fn rows(&self) -> Rows {
-        let row = |(name, statistics): &(String, SampleStatistics)| {
-            let mut row = Fields::from_iter([("quantity".to_owned(), name.as_str().into())]);
+        let row = |(name, statistics)| {
+            let mut row = Fields::from_iter([("quantity".to_owned(), String::as_str(name).into())]);
             row.extend(fields(statistics));
             row.extend(flattened(self.stated.clone()));
             row
         };
-        Rows(self.statistics_by_quantity.iter().map(row).collect())
+        Rows(self.statistics.iter().map(row).collect())
     }
 
     fn table(&self) -> String {
@@ -229,7 +223,7 @@ const COLUMNS: [Column<'_>; 8] = [
 ];
 
 /// The spread of each number over the rows, in their order.
-fn statistics_by_quantity(rows: &[Fields]) -> Vec<(String, SampleStatistics)> {
+fn statistics_by_quantity(rows: &[Fields]) -> Fields {
     let mut names: Vec<&String> = Vec::new();
     for name in rows.iter().flat_map(Fields::keys) {
         if !names.contains(&name) && !NO_RESULTS.contains(&name.as_str()) {
@@ -239,7 +233,7 @@ fn statistics_by_quantity(rows: &[Fields]) -> Vec<(String, SampleStatistics)> {
     let statistics = |name: &String| {
         let values: Vec<f64> =
             rows.iter().filter_map(|row| row.get(name)?.as_f64()).filter(|value| value.is_finite()).collect();
-        Some((name.clone(), SampleStatistics::of(&values)?))
+        Some((name.clone(), fields(&SampleStatistics::of(&values)?).into()))
     };
     names.into_iter().filter_map(statistics).collect()
 }

@@ -16,7 +16,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use host_bench::accuracy::run_with_accuracy;
-use host_bench::command::{budget, findings, fit, needs, optimise, plot, resonance, tolerance};
+use host_bench::command::line::Command;
+use host_bench::command::printed;
 use host_bench::method::{Failure, Options};
 use host_bench::outcome::{Format, Outcome, fields, number, text};
 use host_bench::run::run_scene;
@@ -168,32 +169,20 @@ fn sweep(
     })
 }
 
-/// The commands whose result is one JSON text, with their arguments as the command line has them.
+/// A command with its arguments, as the command line has them.
 #[derive(clap::Parser)]
 #[command(no_binary_name = true, disable_help_flag = true, disable_help_subcommand = true)]
-enum Command {
-    Budget(budget::BudgetArguments),
-    Fit(fit::FitArguments),
-    Needs(needs::NeedsArguments),
-    Optimise(optimise::OptimiseArguments),
-    Plot(plot::PlotArguments),
-    Resonance(resonance::ResonanceArguments),
-    Tolerance(tolerance::ToleranceArguments),
-    Validation(findings::ValidationArguments),
+struct Call {
+    #[command(subcommand)]
+    command: Command,
 }
 
-/// Runs a command, whose name is the first argument: the result of `--format json`.
+/// Runs a command, whose name is the first argument: what it prints.
 #[pyfunction]
 fn command(py: Python<'_>, given: Vec<String>) -> PyResult<String> {
-    interruptible(py, move |_| match &parsed(&given)? {
-        Command::Budget(arguments) => budget::json(arguments),
-        Command::Fit(arguments) => fit::json(arguments),
-        Command::Needs(arguments) => needs::json(arguments),
-        Command::Optimise(arguments) => optimise::json(arguments),
-        Command::Plot(arguments) => plot::json(arguments),
-        Command::Resonance(arguments) => resonance::json(arguments),
-        Command::Tolerance(arguments) => tolerance::json(arguments),
-        Command::Validation(arguments) => findings::validation_json(arguments),
+    interruptible(py, move |_| {
+        let Call { command } = parsed(&given)?;
+        printed(|| command.run())
     })
 }
 

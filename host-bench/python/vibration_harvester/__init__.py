@@ -508,7 +508,7 @@ def validation(*, picture: str | os.PathLike[str] | None = None) -> Rows:
     (.svg or .html). The scenes are read from the sources by which the package was built: they must be there.
     """
     arguments = [] if picture is None else [f"--picture={os.fspath(picture)}"]
-    found: Rows = json.loads(_native.command(["validation", *arguments]))
+    found: Rows = json.loads(_native.command(["validation", "--format=json", *arguments]))
     return found
 
 
@@ -558,8 +558,11 @@ def plot(
 
 def _of_command(name: str, scene: Source, changes: Changes | None, arguments: Iterable[str]) -> dict[str, Any]:
     """The result of a command, which is an object but of a part of a tolerance."""
+    # The result of `plot` has one format.
+    format_ = [] if name == "plot" else ["--format=json"]
     with _file(scene) as path:
-        found: dict[str, Any] = json.loads(_native.command([name, path, *_given(changes), *arguments]))
+        # A part of a tolerance prints nothing.
+        found: dict[str, Any] = json.loads(_native.command([name, path, *format_, *_given(changes), *arguments]) or "null")
     return found
 
 

@@ -41,7 +41,7 @@ pub struct AttractorsArguments {
 }
 
 /// Runs the scene from its starts and prints the motions, that of most starts first.
-pub fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
     let SceneArguments { scene: file, options, overrides, format } = &arguments.scene;
     let scene = scene_file::read(file, overrides)?;
     check_overrides(overrides, &[NODE])?;

@@ -3,23 +3,23 @@
 use std::path::PathBuf;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{Watch, check_overrides, count, print};
+use super::{FileArguments, Watch, check_overrides, count, is_called, print};
 use crate::accuracy::{Statements, print_warnings, run_as_it_is};
 use crate::budget::outcome::Source;
 use crate::budget::{income, picture, simulate};
 use crate::method::{Failure, Precision};
 use crate::outcome::Format;
 use crate::report::Picture;
-use crate::scene_file::{self, Load, Override};
+use crate::scene_file::{self, Load};
 
 /// The picture, and the page with it.
 const REPORT: [&str; 2] = ["budget.svg", "budget.html"];
 
 #[derive(Debug, Clone, clap::Args)]
+#[command(mut_arg("scene", |arg| arg.help("Scene file with a table [node]")))]
 pub struct BudgetArguments {
-    /// Scene file with a table [node]
-    #[arg(value_name = "SCENE.toml")]
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: FileArguments,
     /// Take every step of the harvester's day, in place of its mean power at each amplitude
     #[arg(long)]
     exact: bool,
@@ -38,61 +38,24 @@ pub struct BudgetArguments {
     /// Write the picture to this file, and no page [default: report/budget.svg and budget.html]
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
-    /// Another value for a key of the scene, such as node.update_s=30; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<Override>,
 }
 
 /// Simulates the day, draws it and prints its numbers.
-pub fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
-    let (text, picture, outputs) = simulated(arguments, arguments.format, true)?;
-    print(&text)?;
-    if arguments.svg.is_none() {
-        let folder = report_folder();
-        make_folder(&folder)?;
-        for file in REPORT.map(|name| folder.join(name)) {
-            outputs.keep(&file, picture.of_file(&file)?);
-        }
-    }
-    keep(arguments, &picture, &outputs)
-}
-
-/// Simulates the day. Returns its numbers as JSON, and writes the picture where a file for it is given.
-///
-/// # Errors
-/// [`Failure::Input`] for bad input, [`Failure::Step`] where a run does not come to its end.
-pub fn json(arguments: &BudgetArguments) -> Result<String, Failure> {
-    let (text, picture, outputs) = simulated(arguments, Format::Json, false)?;
-    keep(arguments, &picture, &outputs).map(|()| text)
-}
-
-fn keep(arguments: &BudgetArguments, picture: &Picture, outputs: &Outputs) -> Result<(), Failure> {
-    if let Some(file) = &arguments.svg {
-        outputs.keep(file, picture.svg()?);
-    }
-    outputs.ended()
-}
-
-/// The numbers of the day, its picture, and the files that wait for it.
-fn simulated(
-    arguments: &BudgetArguments,
-    format: Format,
-    has_report: bool,
-) -> Result<(String, Picture, Outputs), Failure> {
+pub(super) fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     let learning_days = arguments.learning_days;
-    let (scene, node) = scene_file::read_with_node(&arguments.scene, &arguments.overrides)?;
-    check_overrides(&arguments.overrides, &[])?;
+    let (scene, node) = scene_file::read_with_node(&arguments.scene.scene, &arguments.scene.overrides)?;
+    check_overrides(&arguments.scene.overrides, &[])?;
     let options = income::options(&scene, arguments.precision, arguments.tolerance);
     options.check()?;
-    let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?;
+    let outputs = Outputs::of(&arguments.scene.scene, &arguments.scene.overrides)?;
     match &arguments.svg {
         Some(file) => outputs.check("--svg", file)?,
-        None if has_report => outputs.check_in("", &report_folder(), &REPORT)?,
-        None => {}
+        None if is_called() => {}
+        None => outputs.check_in("", &report_folder(), &REPORT)?,
     }
     let bridged = matches!(scene.load, Load::RectifiedStore(_));
     if arguments.exact && !bridged {
-        check_overrides(&arguments.overrides, &[("run", "--exact runs the whole day")])?;
+        check_overrides(&arguments.scene.overrides, &[("run", "--exact runs the whole day")])?;
     }
     let is_looped = arguments.exact && bridged;
     if is_looped {
@@ -121,5 +84,21 @@ fn simulated(
         whole_day,
         stated,
     };
-    Ok((day.text(&source, format), picture::picture(&day, &source), outputs))
+    print(&day.text(&source, arguments.format))?;
+    keep(arguments, &picture::picture(&day, &source), &outputs)
+}
+
+fn keep(arguments: &BudgetArguments, picture: &Picture, outputs: &Outputs) -> Result<(), Failure> {
+    match &arguments.svg {
+        Some(file) => outputs.keep(file, picture.svg()?),
+        None if is_called() => {}
+        None => {
+            let folder = report_folder();
+            make_folder(&folder)?;
+            for file in REPORT.map(|name| folder.join(name)) {
+                outputs.keep(&file, picture.of_file(&file)?);
+            }
+        }
+    }
+    outputs.ended()
 }

@@ -8,7 +8,7 @@ use super::files::{Outputs, make_folder, report_folder};
 use super::sweep::points::PointArguments;
 use super::sweep::{Axis, drawn};
 use super::tolerance::{Varied, sampled};
-use super::{SceneArguments, Watch, print, print_line, run};
+use super::{FileArguments, SceneArguments, Watch, print, print_line, run};
 use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
 use crate::budget::{picture, short_day};
@@ -33,14 +33,10 @@ const VARIED: [(&str, &str); 2] = [(FREQUENCY, "±1%"), (RESISTANCE, "±5%")];
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct ReportArguments {
-    /// Scene file
-    #[arg(value_name = "SCENE.toml")]
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: FileArguments,
     #[command(flatten)]
     options: Options,
-    /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<Override>,
     /// A key that varies from part to part, as in tolerance; repeat it [default: the frequency by 1 %, the load resistance by 5 %]
     #[arg(long = "vary", value_name = "KEY=±BOUND[%][:normal]")]
     varied: Vec<Varied>,
@@ -53,8 +49,8 @@ pub struct ReportArguments {
 }
 
 /// Runs the scene, its curves, its tolerance, and the day of its node if it has one, and writes the page.
-pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
-    let ReportArguments { scene: file, overrides, .. } = arguments;
+pub(super) fn run(arguments: &ReportArguments) -> Result<(), Failure> {
+    let FileArguments { scene: file, overrides } = &arguments.scene;
     arguments.options.check()?;
     let scene = scene_file::read(file, overrides)?;
     let written = scene_text(file, overrides)?;

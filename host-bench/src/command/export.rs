@@ -4,20 +4,19 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::files::Outputs;
-use super::{NODE, check_overrides, note, set_option};
+use super::{FileArguments, NODE, check_overrides, note, set_option};
 use crate::embedded;
 use crate::export::{self, Netlist};
 use crate::input::STANDARD;
 use crate::method::Failure;
 use crate::name::Name;
 use crate::on_target::build::cargo;
-use crate::scene_file::{self, Override};
+use crate::scene_file;
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct ExportArguments {
-    /// Scene file
-    #[arg(value_name = "SCENE.toml")]
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: FileArguments,
     /// Write the harvester as a subcircuit of SPICE to this file: two terminals and a pin of the base acceleration
     #[arg(long, value_name = "FILE.cir", required_unless_present = "fmu")]
     spice: Option<PathBuf>,
@@ -30,17 +29,15 @@ pub struct ExportArguments {
     /// Shared library of the FMU: the package harvester-fmu, which is built by cargo where none is given
     #[arg(long, value_name = "FILE.so", requires = "fmu")]
     library: Option<PathBuf>,
-    /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<Override>,
 }
 
 /// Writes the netlist or the FMU of the scene.
 ///
 /// # Errors
 /// If the scene is one that neither has, or a file cannot be written.
-pub fn run(arguments: &ExportArguments) -> Result<(), Failure> {
-    let ExportArguments { scene: file, spice, deck, fmu, library, overrides } = arguments;
+pub(super) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
+    let ExportArguments { scene, spice, deck, fmu, library } = arguments;
+    let FileArguments { scene: file, overrides } = scene;
     let scene = scene_file::read(file, overrides)?;
     check_overrides(overrides, &[NODE])?;
     let outputs = Outputs::of(file, overrides)?;

@@ -8,7 +8,7 @@ use comfy_table::presets;
 use serde_json::{Value, json};
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{count, json_text, note, print, progress, with_progress};
+use super::{count, fail_after_result, json_text, note, print, progress, with_progress};
 use crate::figures::{self, Chapter, Figure, Subject};
 use crate::findings::{self, Check, Finding, Mark, Robustness, Row, wanted};
 use crate::method::Failure;
@@ -43,7 +43,7 @@ pub struct FindingsArguments {
 ///
 /// # Errors
 /// An unknown number, a scene that is refused, or a finding whose mark is not the expected one.
-pub fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
     let FindingsArguments { only, single_start, format, .. } = arguments;
     if arguments.robustness {
         return robustness(arguments);
@@ -61,7 +61,7 @@ pub fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
     if other.is_empty() {
         return Ok(());
     }
-    Err(Failure::Step(format!("findings: the mark is not the expected one: {}", other.join(", "))))
+    fail_after_result(format!("findings: the mark is not the expected one: {}", other.join(", ")))
 }
 
 /// Measures draws of the parameters and prints in which of them each mark stays.
@@ -88,7 +88,7 @@ const QUANTITY: usize = 62;
 const MEASURED: usize = 36;
 
 /// The rows for people: number, statement and mark, then a line for each quantity with its values and what is asserted.
-pub fn text(rows: &[Row]) -> String {
+pub(super) fn text(rows: &[Row]) -> String {
     let count = |mark: Mark| rows.iter().filter(|row| row.mark() == mark).count();
     let totals = format!(
         "{} shown, {} chosen (shown only with chosen parameters), {} not shown{}\n",
@@ -187,7 +187,7 @@ pub struct FiguresArguments {
 ///
 /// # Errors
 /// A folder that cannot be written to, or a run that fails; then nothing of that harvester is written.
-pub fn run_figures(arguments: &FiguresArguments) -> Result<(), Failure> {
+pub(super) fn run_figures(arguments: &FiguresArguments) -> Result<(), Failure> {
     let root = arguments.output.clone().unwrap_or_else(|| report_folder().join("figures"));
     let wanted = |subject: &Subject| arguments.only.is_empty() || arguments.only.contains(subject);
     let subjects: Vec<Subject> = Subject::value_variants().iter().copied().filter(wanted).collect();
@@ -255,26 +255,13 @@ const VALIDATION: [Column<'_>; 7] = [
 ///
 /// # Errors
 /// A picture that cannot be written, a shipped scene that is not found, or a run that stops.
-pub fn run_validation(arguments: &ValidationArguments) -> Result<(), Failure> {
-    let (rows, outputs) = validated(arguments)?;
-    print(&rows.text(arguments.format, |rows| rows.table(presets::NOTHING, &VALIDATION, 3)))?;
-    outputs.ended()
-}
-
-/// The same figures as JSON.
-///
-/// # Errors
-/// A picture that cannot be written, a shipped scene that is not found, or a run that stops.
-pub fn validation_json(arguments: &ValidationArguments) -> Result<String, Failure> {
-    let (rows, outputs) = validated(arguments)?;
-    outputs.ended().map(|()| rows.text(Format::Json, |_| String::new()))
-}
-
-fn validated(arguments: &ValidationArguments) -> Result<(Rows, Outputs), Failure> {
+pub(super) fn run_validation(arguments: &ValidationArguments) -> Result<(), Failure> {
     let outputs = Outputs::of_shipped(validation::SCENES);
     outputs.check_picture("--picture", &arguments.picture)?;
     if let Some(file) = &arguments.picture {
         outputs.keep(file, validation::picture()?.of_file(file)?);
     }
-    Ok((Rows::of(&validation::figures()?), outputs))
+    let rows = Rows::of(&validation::figures()?);
+    print(&rows.text(arguments.format, |rows| rows.table(presets::NOTHING, &VALIDATION, 3)))?;
+    outputs.ended()
 }

@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use super::files::Outputs;
-use super::{NODE, SceneArguments, check_keys, check_overrides, count, print, progress};
+use super::{
+    NODE, SceneArguments, check_keys, check_overrides, count, fail_after_result, print, with_progress,
+};
 use crate::accuracy::print_warnings;
 use crate::fit::{self, FitResult, Request, free::Asked};
 use crate::input::STANDARD;
 use crate::method::Failure;
 use crate::name::Name;
-use crate::outcome::Format;
 use crate::scene_file::{self, Fit};
 
 /// Starts that are looked at where the first one does not end well.
@@ -51,29 +52,11 @@ pub struct FitArguments {
 }
 
 /// Fits, writes the files, and prints the result.
-pub fn run(arguments: &FitArguments) -> Result<(), Failure> {
-    let (found, outputs) = fitted(arguments)?;
-    print(&fit::text(&found, arguments.scene.format)?)?;
-    outputs.ended()?;
-    ended(&found, arguments.output.as_deref())
-}
-
-/// Fits and writes the files. Returns the result as JSON, whether it has converged or not.
 ///
 /// # Errors
-/// [`Failure::Input`] for bad input, [`Failure::Step`] where the fitted scene was asked for and is not written.
-pub fn json(arguments: &FitArguments) -> Result<String, Failure> {
-    let (found, outputs) = fitted(arguments)?;
-    outputs.ended()?;
-    // Who goes on with the file would take that of an earlier fit.
-    match (&arguments.output, unwritten(&found)) {
-        (Some(path), Some(reason)) => Err(not_written(path, reason)),
-        _ => fit::text(&found, Format::Json),
-    }
-}
-
-/// Fits. Returns the files after they were written, too.
-fn fitted(arguments: &FitArguments) -> Result<(FitResult, Outputs), Failure> {
+/// [`Failure::Input`] for bad input, [`Failure::Step`] where the fit has not converged, or the fitted scene was asked for and
+/// is not written.
+pub(super) fn run(arguments: &FitArguments) -> Result<(), Failure> {
     let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
     let (scene, table) = scene_file::read_with_fit(file, overrides)?;
     let (free, huber) = (arguments.free(&table)?, arguments.is_huber(&table)?);
@@ -89,19 +72,28 @@ fn fitted(arguments: &FitArguments) -> Result<(FitResult, Outputs), Failure> {
     let outputs = Outputs::of(file, overrides)?.and(&data);
     arguments.check_outputs(&outputs)?;
     let is_drawn = arguments.output.is_some() || arguments.picture.is_some();
-    let bar = progress(0);
-    let done = || {
-        bar.inc_length(1);
-        bar.inc(1);
-    };
     let options = *options;
     let request = Request { file, overrides, options, data, free, huber, starts, iterations, is_drawn };
-    let found = fit::fit(&request, &scene, &done);
-    bar.finish_and_clear();
-    let found = found?;
+    let found = with_progress(0, |bar| {
+        fit::fit(&request, &scene, &|| {
+            bar.inc_length(1);
+            bar.inc(1);
+        })
+    })?;
     print_warnings(&found.statements.fields(&found.warnings));
     arguments.write(&outputs, &found)?;
-    Ok((found, outputs))
+    print(&fit::text(&found, arguments.scene.format)?)?;
+    outputs.ended()?;
+    if !found.converged {
+        fail_after_result("the fit has not converged; the best point so far is printed".to_owned())?;
+    }
+    match (&arguments.output, unwritten(&found)) {
+        // Who goes on with the file would take that of an earlier fit.
+        (Some(path), Some(reason)) => {
+            Err(Failure::Step(format!("{}: is not written, because {reason}", path.display())))
+        }
+        _ => Ok(()),
+    }
 }
 
 impl FitArguments {
@@ -161,17 +153,6 @@ impl FitArguments {
     }
 }
 
-/// The end of a fit that is no result.
-fn ended(found: &FitResult, output: Option<&Path>) -> Result<(), Failure> {
-    if !found.converged {
-        return Err(Failure::Step("the fit has not converged; the best point so far is printed".to_owned()));
-    }
-    match (output, unwritten(found)) {
-        (Some(path), Some(reason)) => Err(not_written(path, reason)),
-        _ => Ok(()),
-    }
-}
-
 /// Why there is no fitted scene.
 fn unwritten(found: &FitResult) -> Option<&'static str> {
     match found {
@@ -179,10 +160,6 @@ fn unwritten(found: &FitResult) -> Option<&'static str> {
         found if !found.is_identifiable() => Some("the data do not determine all free keys"),
         _ => None,
     }
-}
-
-fn not_written(path: &Path, reason: &str) -> Failure {
-    Failure::Step(format!("{}: is not written, because {reason}", path.display()))
 }
 
 /// The picture beside a scene that is written; standard output has none.

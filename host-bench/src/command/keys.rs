@@ -35,7 +35,7 @@ pub struct KeysArguments {
 }
 
 /// Prints the keys.
-pub fn run(arguments: &KeysArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &KeysArguments) -> Result<(), Failure> {
     let scene = arguments.scene.as_deref();
     match arguments.format {
         KeysFormat::Table => print(&keys::text(scene)),
@@ -59,7 +59,7 @@ pub struct NewArguments {
 }
 
 /// Writes or prints a template.
-pub fn new(arguments: &NewArguments) -> Result<(), Failure> {
+pub(super) fn new(arguments: &NewArguments) -> Result<(), Failure> {
     let text = template(&arguments.scene)
         .ok_or_else(|| Failure::Input(format!("{}: has no template", arguments.scene)))?;
     let Some(file) = &arguments.output else { return print(&text) };

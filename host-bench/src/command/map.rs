@@ -91,7 +91,7 @@ pub(super) fn counted_on(bar: &ProgressBar) -> impl Fn(Step) + Sync {
 }
 
 /// Makes the map, writes it, and prints how well it agrees with the model.
-pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let request = request(arguments)?;
     let overrides = &arguments.scene.overrides;
     let scene = scene_file::read(&arguments.scene.scene, overrides)?;

@@ -9,7 +9,9 @@ use serde_json::{Value, json};
 
 use super::files::Outputs;
 use super::map::Range;
-use super::{NODE, check_overrides, json_text, one_more, print, print_line, progress, set_option};
+use super::{
+    FileArguments, NODE, check_overrides, json_text, one_more, print, print_line, progress, set_option,
+};
 use crate::method::{Failure, Options, Precision};
 use crate::name::Name;
 use crate::needs::{
@@ -25,15 +27,11 @@ use crate::scene_file::{self, Excitation, Override, Scene};
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct NeedsArguments {
-    /// Scene file
-    #[arg(value_name = "SCENE.toml")]
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: FileArguments,
     /// Relative change of mean power, RMS voltage and storage voltage that is accepted
     #[arg(long, value_name = "REL", default_value_t = 1e-2, allow_hyphen_values = true)]
     accuracy: f64,
-    /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<Override>,
     /// Lowest and highest amplitude in m/s² of one sine, at which the accuracy must hold too
     #[arg(long, value_name = "LO:HI")]
     amplitude: Option<Range>,
@@ -58,32 +56,16 @@ const ACCURACY: [f64; 2] = [1e-4, 0.5];
 ///
 /// # Errors
 /// If the scene cannot be read or run.
-pub fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
-    let (text, outputs) = found(arguments, arguments.format)?;
-    print(&text)?;
-    outputs.ended()
-}
-
-/// The same as JSON.
-///
-/// # Errors
-/// If the scene cannot be read or run, or the file of the module not be written.
-pub fn json(arguments: &NeedsArguments) -> Result<String, Failure> {
-    let (text, outputs) = found(arguments, Format::Json)?;
-    outputs.ended().map(|()| text)
-}
-
-/// The result as text, and the files after they were written.
-fn found(arguments: &NeedsArguments, format: Format) -> Result<(String, Outputs), Failure> {
+pub(super) fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     let accuracy = arguments.accuracy;
     let [lowest, highest] = ACCURACY;
     if !(lowest..=highest).contains(&accuracy) {
         let text = format!("--accuracy {accuracy}: must be a number from {lowest:e} to {highest}");
         return Err(Failure::Input(text));
     }
-    let scene = scene_file::read(&arguments.scene, &arguments.overrides)?;
-    check_overrides(&arguments.overrides, &[NODE])?;
-    let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?;
+    let scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
+    check_overrides(&arguments.scene.overrides, &[NODE])?;
+    let outputs = Outputs::of(&arguments.scene.scene, &arguments.scene.overrides)?;
     if let Some(file) = &arguments.emit {
         outputs.check("--emit", file)?;
     }
@@ -109,7 +91,7 @@ fn found(arguments: &NeedsArguments, format: Format) -> Result<(String, Outputs)
         outputs.keep(file, emission.cut(&command)?);
     }
     let on_core = arguments.core.map(|core| emission.on_core(core)).transpose()?;
-    let text = match format {
+    let text = match arguments.format {
         Format::Table => {
             let costs = on_core.as_deref().map_or_else(String::new, costs_table);
             let all = report(&study, accuracy, &needs, &numerics) + &costs;
@@ -122,7 +104,8 @@ fn found(arguments: &NeedsArguments, format: Format) -> Result<(String, Outputs)
         }
         Format::Csv => csv_text(&needs.findings, &numerics, on_core.as_deref().unwrap_or_default()),
     };
-    Ok((text, outputs))
+    print(&text)?;
+    outputs.ended()
 }
 
 /// The scene at the corners of the range of amplitude and frequency; without a range there is none.
@@ -140,7 +123,8 @@ fn corners(arguments: &NeedsArguments, scene: &Scene) -> Result<Vec<(Corner, Sce
     for frequency in ends(frequency, own[1]) {
         // Times in periods are those of the frequency.
         let change = Override::new("excitation.frequency_hz", &frequency.to_string());
-        let there = scene_file::read(&arguments.scene, &[&arguments.overrides[..], &[change]].concat())?;
+        let there =
+            scene_file::read(&arguments.scene.scene, &[&arguments.scene.overrides[..], &[change]].concat())?;
         for amplitude in ends(amplitude, own[0]) {
             let mut there = there.clone();
             if let Excitation::Sine(tone) = &mut there.excitation {
@@ -163,15 +147,15 @@ fn sine(scene: &Scene) -> Option<Corner> {
 }
 
 fn command(arguments: &NeedsArguments, file: &Path) -> String {
-    let sets: String = arguments.overrides.iter().map(set_option).collect();
-    let NeedsArguments { scene, accuracy, amplitude, frequency, .. } = arguments;
+    let sets: String = arguments.scene.overrides.iter().map(set_option).collect();
+    let NeedsArguments { accuracy, amplitude, frequency, .. } = arguments;
     let range = |name: &str, range: Option<Range>| {
         range.map_or_else(String::new, |Range([low, high])| format!(" --{name} {low}:{high}"))
     };
     let ranges = range("amplitude", *amplitude) + &range("frequency", *frequency);
     format!(
         "host-bench needs {}{}{ranges} --accuracy {accuracy:e} --emit {}",
-        Name::new(scene.to_string_lossy()).shell(),
+        Name::new(arguments.scene.scene.to_string_lossy()).shell(),
         sets,
         Name::of_file(file).shell()
     )

@@ -67,7 +67,7 @@ fn harvester(scene: &str) -> Result<Kind, Failure> {
 }
 
 /// Runs all strategies on all timelines and prints the rows.
-pub fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
     let outputs = Outputs::of_shipped(["node", "sliding", "bump-stop-none"])
         .and(&arguments.scene.iter().map(PathBuf::from).collect::<Vec<_>>());
     outputs.check_picture("--page", &arguments.page)?;
@@ -124,7 +124,7 @@ pub struct NodeYearsArguments {
 }
 
 /// Runs all nodes and prints their quarters.
-pub fn run_years(arguments: &NodeYearsArguments) -> Result<(), Failure> {
+pub(super) fn run_years(arguments: &NodeYearsArguments) -> Result<(), Failure> {
     let outputs = Outputs::of_shipped(["node"]);
     outputs.check_picture("--page", &arguments.page)?;
     let quarters = years(365 * arguments.years, &STORAGES[..6])?;

@@ -72,7 +72,7 @@ pub struct OptimiseArguments {
 }
 
 /// How long it takes, for the help.
-pub fn run_time() -> String {
+pub(super) fn run_time() -> String {
     let most = |is_constrained: bool| {
         let [one, two, three, four] =
             [1, 2, 3, 4].map(|keys| most_runs(keys, GRID[keys - 1], is_constrained));
@@ -87,24 +87,8 @@ pub fn run_time() -> String {
 }
 
 /// Seeks the optimum, writes the files, and prints the result.
-pub fn run(arguments: &OptimiseArguments) -> Result<(), Failure> {
-    let (text, outputs) = found(arguments, arguments.scene.format)?;
-    print(&text)?;
-    outputs.ended()
-}
-
-/// Seeks the optimum and writes the files. Returns the result as JSON.
-///
-/// # Errors
-/// [`Failure::Input`] for bad input, [`Failure::Step`] where every run fails or no point keeps the constraints.
-pub fn json(arguments: &OptimiseArguments) -> Result<String, Failure> {
-    let (text, outputs) = found(arguments, Format::Json)?;
-    outputs.ended().map(|()| text)
-}
-
-/// The result as text, and the files after they were written.
-fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outputs), Failure> {
-    let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
+pub(super) fn run(arguments: &OptimiseArguments) -> Result<(), Failure> {
+    let SceneArguments { scene: file, options, overrides, format } = &arguments.scene;
     let options = Options { steady_state: arguments.steady_state, ..*options };
     options.check()?;
     arguments.storage_voltage.check(arguments.steady_state)?;
@@ -156,7 +140,8 @@ fn found(arguments: &OptimiseArguments, format: Format) -> Result<(String, Outpu
         Format::Csv => text(&short(&found, &request), Format::Csv),
         Format::Table => for_people(&found, &request),
     };
-    Ok((text, outputs))
+    print(&text)?;
+    outputs.ended()
 }
 
 /// Points of the grid for each key.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{NODE, Watch, check_keys, note, print, print_line};
+use super::{FileArguments, NODE, Watch, check_keys, is_called, note, print, print_line};
 use crate::accuracy::{Statements, print_warnings};
 use crate::method::{Failure, Options};
 use crate::motion::{self, LogAxis, Series, View, Wanted};
@@ -41,17 +41,13 @@ impl std::str::FromStr for Compared {
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct PlotArguments {
-    /// Scene file
-    #[arg(value_name = "SCENE.toml")]
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: FileArguments,
     /// Traces to draw beside the run, as run --trace writes them
     #[arg(value_name = "TRACE.csv")]
     traces: Vec<PathBuf>,
     #[command(flatten)]
     options: Options,
-    /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<Override>,
     /// A run for each of these values of a key, beside each other
     #[arg(long, value_name = "KEY=VALUE,VALUE…")]
     compare: Option<Compared>,
@@ -78,15 +74,22 @@ pub struct PlotArguments {
     output: Option<PathBuf>,
 }
 
-/// Runs the scene, at each value that is compared, and draws the runs beside the traces.
-pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
-    let outputs = Outputs::of(&arguments.scene, &arguments.overrides)?.and(&arguments.traces);
+/// Runs the scene, at each value that is compared, and draws the runs beside the traces. A caller in this process gets the
+/// picture as SVG and as a page, with what the runs state, as JSON.
+pub(super) fn run(arguments: &PlotArguments) -> Result<(), Failure> {
+    let outputs = Outputs::of(&arguments.scene.scene, &arguments.scene.overrides)?.and(&arguments.traces);
     let file = arguments.output.clone().unwrap_or_else(|| report_folder().join(PLOT));
     let check = || match &arguments.output {
         Some(file) => outputs.check_picture("--output", [file]),
+        None if is_called() => Ok(()),
         None => outputs.check_in("", &report_folder(), &[PLOT]),
     };
-    let (picture, _) = drawn(arguments, check)?;
+    let (picture, mut stated) = drawn(arguments, check)?;
+    if is_called() {
+        stated
+            .extend([("svg".to_owned(), picture.svg()?.into()), ("page".to_owned(), picture.page()?.into())]);
+        return print(&text(&stated, Format::Json));
+    }
     let picture = picture.of_file(&file)?;
     if arguments.output.is_none() {
         make_folder(&report_folder())?;
@@ -96,24 +99,13 @@ pub fn run(arguments: &PlotArguments) -> Result<(), Failure> {
     print(&format!("{}\n", file.display()))
 }
 
-/// The picture of the same runs as SVG and as a page, with what they state, as JSON.
-///
-/// # Errors
-/// [`Failure::Input`] for bad input, [`Failure::Step`] where a run does not come to its end.
-pub fn json(arguments: &PlotArguments) -> Result<String, Failure> {
-    let (picture, mut stated) = drawn(arguments, || Ok(()))?;
-    stated.insert("svg".to_owned(), picture.svg()?.into());
-    stated.insert("page".to_owned(), picture.page()?.into());
-    Ok(text(&stated, Format::Json))
-}
-
 /// The picture, and what the runs state; `check` looks at the files before they begin.
 fn drawn(
     arguments: &PlotArguments,
     check: impl FnOnce() -> Result<(), Failure>,
 ) -> Result<(Picture, Fields), Failure> {
     let compared = arguments.compare.as_ref();
-    let keys = arguments.overrides.iter().map(|change| ("--set", change.key()));
+    let keys = arguments.scene.overrides.iter().map(|change| ("--set", change.key()));
     let keys: Vec<(&str, &str)> = keys.chain(compared.map(|one| ("--compare", one.key.as_str()))).collect();
     check_keys(&keys, &[NODE])?;
     let scenes = scenes(arguments)?;
@@ -150,7 +142,7 @@ fn drawn(
     drop(watch);
     series.extend(traces);
     let words = setting(first, compared.map(|one| one.key.as_str()).as_slice()) + &margin(smallest);
-    let title = motion::title(&arguments.scene, &method, &words);
+    let title = motion::title(&arguments.scene.scene, &method, &words);
     let usual = motion::usual(first, &title, &series[0], every_s);
     let wanted = Wanted {
         views: if arguments.view.is_empty() { usual.views } else { &arguments.view },
@@ -168,7 +160,7 @@ fn drawn(
 
 fn scenes(arguments: &PlotArguments) -> Result<Vec<(String, Scene)>, Failure> {
     let Some(Compared { key, values }) = &arguments.compare else {
-        let scene = scene_file::read(&arguments.scene, &arguments.overrides)?;
+        let scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
         return Ok(vec![("run".to_owned(), scene)]);
     };
     if values.len() > MOST_RUNS {
@@ -179,9 +171,9 @@ fn scenes(arguments: &PlotArguments) -> Result<Vec<(String, Scene)>, Failure> {
     }
     let scene = |value: &String| {
         let last = std::iter::once(Override::new(key, value).by("--compare"));
-        let overrides: Vec<Override> = arguments.overrides.iter().cloned().chain(last).collect();
+        let overrides: Vec<Override> = arguments.scene.overrides.iter().cloned().chain(last).collect();
         let short = key.rsplit('.').next().unwrap_or(key);
-        Ok((format!("{short} = {value}"), scene_file::read(&arguments.scene, &overrides)?))
+        Ok((format!("{short} = {value}"), scene_file::read(&arguments.scene.scene, &overrides)?))
     };
     values.iter().map(scene).collect()
 }

@@ -1,16 +1,16 @@
 //! `resonance`: the frequencies at which the steady state of a scene has its largest amplitude, voltage and power.
 
 use indicatif::ProgressBar;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{
-    NODE, SceneArguments, StorageVoltage, Unused, check_overrides, count, one_more, print, progress,
+    NODE, SceneArguments, StorageVoltage, Unused, check_overrides, count, one_more, print, with_progress,
 };
 use crate::accuracy::{Statements, print_warnings};
 use crate::closed_form::undamped_frequencies;
 use crate::embedded::{Search, best_resistance, search, search as peaks};
 use crate::method::{Failure, Options};
-use crate::outcome::{Fields, Format, fields, text};
+use crate::outcome::{Fields, fields, text};
 use crate::scene_file::{self, Excitation, Load, Scene};
 use crate::steady_state::{BestLoad, DEFAULT_POINTS, Peak, Resonance};
 
@@ -45,20 +45,7 @@ pub struct ResonanceArguments {
 }
 
 /// Follows the steady state over the range and prints its peaks.
-pub fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
-    print(&text(&found(arguments)?, arguments.scene.format))
-}
-
-/// Follows the steady state over the range. Returns its peaks as JSON.
-///
-/// # Errors
-/// [`Failure::Input`] for bad input, [`Failure::Step`] where there is no stable orbit.
-pub fn json(arguments: &ResonanceArguments) -> Result<String, Failure> {
-    found(arguments).map(|found| text(&found, Format::Json))
-}
-
-/// The peaks, after their warnings were printed.
-fn found(arguments: &ResonanceArguments) -> Result<Fields, Failure> {
+pub(super) fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
     let ResonanceArguments { from, to, points, short_open, storage_voltage, .. } = *arguments;
     let refuse = |text: String| Err(Failure::Input(text));
     for (name, value) in [("--from", from), ("--to", to)] {
@@ -74,14 +61,14 @@ fn found(arguments: &ResonanceArguments) -> Result<Fields, Failure> {
     let unused = [&UNUSED[..], if short_open { std::slice::from_ref(&load) } else { &[] }].concat();
     check_overrides(&arguments.scene.overrides, &storage_voltage.unused(&unused))?;
     storage_voltage.hold(&mut scene)?;
-    let bar = progress(points + NARROWING);
     let range_hz = [from, to];
     let options = &arguments.scene.options;
-    let found = if short_open {
-        compared(&scene, range_hz, points, options, &bar)?
-    } else {
+    let found = with_progress(points + NARROWING, |bar| {
+        if short_open {
+            return compared(&scene, range_hz, points, options, bar);
+        }
         let search = Search { range_hz, points, with_power: true };
-        let (found, periods) = peaks(&scene, &search, options, &mut || one_more(&bar))?;
+        let (found, periods) = peaks(&scene, &search, options, &mut || one_more(bar))?;
         let found = found.ok_or_else(|| no_orbit(range_hz))?;
         let peaks = [Some(found.amplitude), Some(found.rms_voltage), found.mean_power];
         let mut peaks: Vec<Peak> = peaks.into_iter().flatten().collect();
@@ -95,11 +82,10 @@ fn found(arguments: &ResonanceArguments) -> Result<Fields, Failure> {
         };
         let mut named = described(&scene, &found, periods);
         named.extend(stated(&peaks.iter().rev().map(of).collect::<Vec<_>>(), &doubts, options)?);
-        named
-    };
-    bar.finish_and_clear();
+        Ok(named)
+    })?;
     print_warnings(&found);
-    Ok(found)
+    print(&text(&found, arguments.scene.format))
 }
 
 /// The warning of a peak that is at an edge of the range.
@@ -131,26 +117,24 @@ fn no_orbit([from, to]: [f64; 2]) -> Failure {
     ))
 }
 
+/// The numbers of a peak, each behind its name; `value` is the rest of the name of its value.
+fn of_peak(name: &str, value: &str, peak: &Peak) -> impl Iterator<Item = (String, Value)> {
+    let numbers: [(&str, Value); 4] = [
+        ("frequency_hz", peak.frequency_hz.into()),
+        (value, peak.value.into()),
+        ("within_hz", peak.within_hz.into()),
+        ("at_edge", peak.at_edge.into()),
+    ];
+    numbers.map(|(number, value)| (format!("{name}_{number}"), value)).into_iter()
+}
+
 fn described(scene: &Scene, found: &Resonance, periods: f64) -> Fields {
     let without = found.responses.iter().filter(|(_, response)| response.is_none()).count();
-    let mut named = fields(&json!({
-        "scene": scene.name(),
-        "peak_frequency_hz": found.amplitude.frequency_hz,
-        "peak_amplitude_m": found.amplitude.value,
-        "peak_within_hz": found.amplitude.within_hz,
-        "peak_at_edge": found.amplitude.at_edge,
-        "max_rms_voltage_frequency_hz": found.rms_voltage.frequency_hz,
-        "max_rms_voltage_v": found.rms_voltage.value,
-        "max_rms_voltage_within_hz": found.rms_voltage.within_hz,
-        "max_rms_voltage_at_edge": found.rms_voltage.at_edge,
-    }));
+    let mut named = fields(&json!({ "scene": scene.name() }));
+    named.extend(of_peak("peak", "amplitude_m", &found.amplitude));
+    named.extend(of_peak("max_rms_voltage", "v", &found.rms_voltage));
     if let Some(peak) = found.mean_power {
-        named.extend(fields(&json!({
-            "max_mean_power_frequency_hz": peak.frequency_hz,
-            "max_mean_power_w": peak.value,
-            "max_mean_power_within_hz": peak.within_hz,
-            "max_mean_power_at_edge": peak.at_edge,
-        })));
+        named.extend(of_peak("max_mean_power", "w", &peak));
         if !matches!(scene.load, Load::Resistor { .. }) {
             let there = found.responses.iter().find(|(frequency, _)| *frequency == peak.frequency_hz);
             let current = there.and_then(|(_, response)| Some(response.as_ref()?.mean_current_a));
@@ -191,12 +175,7 @@ fn compared(
     let [short, open] = [end(0.0)?, end(f64::INFINITY)?];
     let mut named = fields(&json!({ "scene": scene.name() }));
     for (name, end) in [("short_circuit", &short), ("open_circuit", &open)] {
-        named.extend([
-            (format!("{name}_frequency_hz"), end.amplitude.frequency_hz.into()),
-            (format!("{name}_amplitude_m"), end.amplitude.value.into()),
-            (format!("{name}_within_hz"), end.amplitude.within_hz.into()),
-            (format!("{name}_at_edge"), end.amplitude.at_edge.into()),
-        ]);
+        named.extend(of_peak(name, "amplitude_m", &end.amplitude));
     }
     let frequencies = [&short, &open].map(|end| end.amplitude.frequency_hz);
     named.extend(fields(&json!({

@@ -6,8 +6,8 @@ use serde_json::json;
 
 use super::files::Outputs;
 use super::{
-    NODE, SceneArguments, StorageVoltage, Unused, Watch, check_overrides, count, one_more, print, print_line,
-    with_progress,
+    FileArguments, NODE, SceneArguments, StorageVoltage, Unused, Watch, check_overrides, count, one_more,
+    print, print_line, with_progress,
 };
 use crate::accuracy::{imbalance, print_warnings, run_with_accuracy};
 use crate::attractors::add_branches;
@@ -19,7 +19,7 @@ use crate::report::Picture;
 use crate::report::setting::{margin, setting};
 use crate::resolution::remarks;
 use crate::run::run_scene;
-use crate::scene_file::{self, Override, Scene};
+use crate::scene_file::{self, Scene};
 use crate::seeds::{self, Statistics};
 
 #[derive(Debug, Clone, clap::Args)]
@@ -55,7 +55,7 @@ pub struct RunArguments {
 }
 
 /// Runs the scene, writes picture and trace, and prints the outcome; nothing of them if the run fails.
-pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let mut options = Options {
         trace_every_s: arguments.trace_every,
         steady_state: arguments.steady_state,
@@ -147,29 +147,25 @@ const UNUSED_BY_CLOSED_FORM: [Unused; 4] = [
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct ClosedFormArguments {
-    /// Scene file
-    #[arg(value_name = "SCENE.toml")]
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: FileArguments,
     /// Precision of the closed form
     #[arg(long, value_enum, default_value = "f64")]
     precision: Precision,
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-    /// Another value for a key of the scene, such as load.resistance_ohm=1e6; may be repeated
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<Override>,
     #[command(flatten)]
     storage_voltage: StorageVoltage,
 }
 
 /// Prints the closed form of the scene.
-pub fn run_closed_form(arguments: &ClosedFormArguments) -> Result<(), Failure> {
-    let mut scene = scene_file::read(&arguments.scene, &arguments.overrides)?;
-    check_overrides(&arguments.overrides, &arguments.storage_voltage.unused(&UNUSED_BY_CLOSED_FORM))?;
+pub(super) fn run_closed_form(arguments: &ClosedFormArguments) -> Result<(), Failure> {
+    let mut scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
+    check_overrides(&arguments.scene.overrides, &arguments.storage_voltage.unused(&UNUSED_BY_CLOSED_FORM))?;
     arguments.storage_voltage.hold(&mut scene)?;
     let found = estimate(&scene, arguments.precision)?;
     let mut named = fields(&json!({ "scene": scene.name() }));
-    named.extend(found.fields());
+    named.extend(fields(&found));
     print(&text(&named, arguments.format))
 }

@@ -70,7 +70,7 @@ const BY_REFERENCE: [usize; 2] = [7, 3];
 ///
 /// # Errors
 /// If a shipped scene cannot be read, if a file cannot be written, or if a case is wrong or broken.
-pub fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
     if arguments.day {
         return run_days(arguments.scene, arguments.format);
     }

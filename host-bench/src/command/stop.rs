@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::sweep::{Axis, check_axes, values};
-use super::{NODE, SceneArguments, check_keys, print, print_line, progress};
+use super::{NODE, SceneArguments, check_keys, print, print_line, with_progress};
 use crate::accuracy::run_with_steps;
 use crate::method::{Failure, Method, Options};
 use crate::outcome::{self, Fields, Outcome, number};
@@ -107,7 +107,7 @@ fn relative(from: f64, to: f64) -> Option<f64> {
 }
 
 /// Runs the scene with its stop and without it at each point, and prints the comparison.
-pub fn run(arguments: &StopArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &StopArguments) -> Result<(), Failure> {
     let StopArguments { scene: SceneArguments { options, .. }, axes, no_accuracy } = arguments;
     options.check()?;
     let count = check_axes(axes)?;
@@ -120,13 +120,13 @@ pub fn run(arguments: &StopArguments) -> Result<(), Failure> {
     for row in &rows {
         Options { accuracy, ..*options }.check_scene(&row.scene)?;
     }
-    let bar = progress(rows.len());
-    rows.par_iter_mut().try_for_each(|row| {
-        let ran = row.run(options, *no_accuracy);
-        bar.inc(1);
-        ran
+    with_progress(rows.len(), |bar| {
+        rows.par_iter_mut().try_for_each(|row| {
+            let ran = row.run(options, *no_accuracy);
+            bar.inc(1);
+            ran
+        })
     })?;
-    bar.finish_and_clear();
     for row in &rows {
         row.warnings
             .iter()

@@ -39,7 +39,9 @@ pub struct SweepArguments {
 ///
 /// Bad input at any point refuses the whole sweep before it begins. A point that fails on its way is a row with its
 /// error; the other points are written and printed all the same.
-pub fn run(SweepArguments { points: arguments, axes, compare }: &SweepArguments) -> Result<(), Failure> {
+pub(super) fn run(
+    SweepArguments { points: arguments, axes, compare }: &SweepArguments,
+) -> Result<(), Failure> {
     let points = points(arguments, axes, *compare)?;
     let Some(done) = points.run(&[])? else { return Ok(()) };
     let found = &done.points;

@@ -64,7 +64,7 @@ pub struct ToleranceArguments {
 ///
 /// # Errors
 /// Bad input, of any sample; and after the files were written, a sample that could not be run to its end.
-pub fn run(arguments: &ToleranceArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &ToleranceArguments) -> Result<(), Failure> {
     with_samples(arguments, |points, done, found, picture| {
         let text = match points.arguments.scene.format {
             Format::Table => found.table(&picture),
@@ -73,18 +73,6 @@ pub fn run(arguments: &ToleranceArguments) -> Result<(), Failure> {
         points.end(done, Some(&picture), &text)
     })
     .map(|_| ())
-}
-
-/// Runs the samples and writes the files. Returns the statistics as JSON, `null` of one part of the samples.
-///
-/// # Errors
-/// Bad input, of any sample. A sample that could not be run to its end is left out with a warning.
-pub fn json(arguments: &ToleranceArguments) -> Result<String, Failure> {
-    let found = with_samples(arguments, |points, done, found, picture| {
-        points.keep(&done, Some(&picture))?;
-        done.ended().map(|_| text(&found.fields, Format::Json))
-    })?;
-    Ok(found.unwrap_or_else(|| "null".to_owned()))
 }
 
 /// The picture of samples of some keys, with their statistics as the text.

@@ -6,9 +6,7 @@ use comfy_table::presets;
 use serde_json::json;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{
-    NODE, SHIPPED_SCENES, check_overrides, json_text, note, one_more, print, progress, with_progress,
-};
+use super::{NODE, SHIPPED_SCENES, check_overrides, json_text, note, one_more, print, with_progress};
 use crate::method::{Failure, Method, Options, Precision};
 use crate::motion::{self, Series, View, Wanted};
 use crate::needs::{REPEATS, Study, cheapest, host_time};
@@ -77,7 +75,7 @@ const SHIPPED: [(&str, &str, bool); 9] = [
 ];
 
 /// Runs the comparison and prints it.
-pub fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
     check_overrides(&arguments.overrides, &[NODE])?;
     if arguments.grid {
         return run_grid(arguments);
@@ -103,14 +101,11 @@ pub fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
 
 fn run_grid(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
     let cells = grid::cells(&arguments.overrides)?;
-    let bar = progress(cells.len());
-    let mut rows = Vec::new();
-    for cell in &cells {
-        rows.extend(grid::examine(cell)?);
-        one_more(&bar);
-    }
-    bar.finish_and_clear();
-    let grid = Grid::of(rows);
+    let rows = with_progress(cells.len(), |bar| {
+        let each = cells.iter().map(|cell| grid::examine(cell).inspect(|_| one_more(bar)));
+        each.collect::<Result<Vec<_>, _>>()
+    })?;
+    let grid = Grid::of(rows.concat());
     print(&match arguments.format {
         Format::Table => grid::text(&grid),
         Format::Csv => grid::csv(&grid),
@@ -137,14 +132,14 @@ fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<
     for (option, file) in [("--csv", &arguments.csv), ("--picture", &arguments.picture)] {
         file.as_ref().map_or(Ok(()), |file| outputs.check(option, file))?;
     }
-    let bar = progress(cases.len());
-    let compared = |case| {
-        let comparison = peers::compare(case, &|line| bar.suspend(|| print_line(line)));
-        one_more(&bar);
-        comparison
-    };
-    let comparisons: Vec<_> = cases.into_iter().map(compared).collect::<Result<_, _>>()?;
-    bar.finish_and_clear();
+    let comparisons = with_progress(cases.len(), |bar| {
+        let compared = |case| {
+            let comparison = peers::compare(case, &|line| bar.suspend(|| print_line(line)));
+            one_more(bar);
+            comparison
+        };
+        cases.into_iter().map(compared).collect::<Result<Vec<_>, Failure>>()
+    })?;
     arguments.csv.iter().for_each(|file| outputs.keep(file, peers::csv(&comparisons)));
     if let Some(file) = &arguments.picture {
         outputs.keep(file, peers::draw(&comparisons)?);
@@ -173,7 +168,7 @@ pub struct RowArguments {
 
 /// Makes one run.
 #[cfg(feature = "peers")]
-pub fn run_row(arguments: &RowArguments) -> Result<(), Failure> {
+pub(super) fn run_row(arguments: &RowArguments) -> Result<(), Failure> {
     let RowArguments { scene, method, setting, duration_s } = arguments;
     work_precision::peers::run_one(scene, method, *setting, *duration_s)
 }
@@ -219,7 +214,7 @@ const COLUMNS: [Column<'_>; 9] = [
 ];
 
 /// Shows one scene, error against run time on it, and what it does not need; then writes the report of all scenes.
-pub fn run_default() -> Result<(), Failure> {
+pub(super) fn run_default() -> Result<(), Failure> {
     let (outputs, folder) = (Outputs::of_shipped(SHIPPED_SCENES), report_folder());
     outputs.check_in("", &folder, &[PAGE])?;
     let mut scene = scene_file::read(&scene_file::shipped(FIRST), &[])?;

@@ -10,6 +10,7 @@ pub(crate) use self::resonance::{Case, Peak};
 
 use super::{Chapter, Figure, Panel, each, sine};
 use crate::method::{Failure, Options};
+use crate::report::setting::with_unit;
 use crate::scene_file::{GRAVITY, Scene};
 
 /// Relative tolerance of the steps. From here to 1e-7 the frequency of a resonance changes by less than 1e-5 Hz, and its
@@ -66,11 +67,5 @@ fn introduction() -> String {
 
 /// A resistance in Ω as text.
 fn ohms(resistance: f64) -> String {
-    let (scale, unit) = match resistance {
-        ..1e3 => (1.0, "Ω"),
-        ..1e6 => (1e3, "kΩ"),
-        ..1e9 => (1e6, "MΩ"),
-        _ => (1e9, "GΩ"),
-    };
-    format!("{} {unit}", resistance / scale)
+    with_unit(resistance, "Ω")
 }

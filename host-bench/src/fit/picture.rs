@@ -4,11 +4,10 @@ use plotters::style::RGBColor;
 
 use super::result::{Curve as Column, FitResult};
 use crate::method::Failure;
-use crate::motion::quantity;
 use crate::outcome::Format;
 use crate::report::Picture;
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
-use crate::report::setting::scaled;
+use crate::report::setting::{number_and_unit, scaled};
 use crate::report::svg::{BLACK, BLUE, COLOURS, VERMILION, range};
 
 /// Most columns drawn.
@@ -30,7 +29,7 @@ pub(crate) fn picture(found: &FitResult, title: &str) -> Result<Picture, Failure
 
 /// The name of a quantity with its unit, and the factor to it.
 fn named_unit(column: &str, largest: f64) -> (String, f64) {
-    let (word, unit) = quantity(column);
+    let (word, unit) = number_and_unit(column);
     scaled(&word.replace("rms ", "RMS "), unit, largest)
 }
 

@@ -4,7 +4,8 @@ use std::fmt::Write;
 use std::sync::atomic::Ordering;
 
 use comfy_table::presets;
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::fitted::Entry;
 use super::free::{Free, Place};
@@ -161,57 +162,33 @@ impl FitResult {
     }
 
     fn json(&self) -> Value {
-        let parameters: Map<String, Value> = self
-            .parameters
-            .iter()
-            .map(|parameter| {
-                let Parameter { key, value, standard_error, interval_95, start, at_bound, .. } = parameter;
-                let value = json!({
-                    "value": value,
-                    "standard_error": standard_error,
-                    "interval_95": interval_95,
-                    "start": start,
-                    "at_bound": at_bound,
-                });
-                (key.clone(), value)
-            })
-            .collect();
-        let residuals: Map<String, Value> =
-            self.relative_residual.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
-        let weights: Map<String, Value> =
-            self.weighting.iter().map(|(name, weighting)| (name.clone(), json!(weighting.name()))).collect();
-        let not_determined: Vec<Value> = self
-            .undetermined
-            .iter()
-            .map(|combination| {
-                let parts: Map<String, Value> =
-                    combination.iter().map(|(key, part)| (key.clone(), json!(part))).collect();
-                Value::Object(parts)
-            })
-            .collect();
-        let mut object = Map::new();
-        let mut put = |key: &str, value: Value| object.insert(key.to_owned(), value);
-        put("scene", json!(self.scene));
-        put("converged", json!(self.converged));
-        put("parameters", Value::Object(parameters));
-        put("correlation", json!(self.correlation));
-        if let Some(reduced) = self.reduced_chi_squared {
-            put("reduced_chi_squared", json!(reduced));
-        }
-        put("relative_residual", Value::Object(residuals));
-        put("weights", Value::Object(weights));
+        let parameters: Vec<_> = self.parameters.iter().map(|one| (one.key.clone(), fields(one))).collect();
+        let not_determined: Vec<Value> = self.undetermined.iter().map(|parts| object(parts)).collect();
+        let mut all = fields(&json!({
+            "scene": self.scene,
+            "converged": self.converged,
+            "parameters": object(&parameters),
+            "correlation": self.correlation,
+        }));
+        let mut put = |key: &str, value: Value| all.insert(key.to_owned(), value);
+        self.reduced_chi_squared.map(|reduced| put("reduced_chi_squared", json!(reduced)));
+        put("relative_residual", object(&self.relative_residual));
+        put("weights", object(&self.weighting));
         put("points", json!(self.points));
         put("evaluations", json!(self.evaluations));
         put("identifiable", json!(self.is_identifiable()));
         if !self.is_identifiable() {
             put("not_determined", json!(not_determined));
         }
-        if let Some(interpolation) = self.interpolation {
-            put("interpolation", json!(interpolation));
-        }
-        object.extend(self.statements.fields(&self.warnings));
-        Value::Object(object)
+        self.interpolation.map(|interpolation| put("interpolation", json!(interpolation)));
+        all.extend(self.statements.fields(&self.warnings));
+        Value::Object(all)
     }
+}
+
+/// Names and values as an object.
+fn object(pairs: &[(String, impl Serialize)]) -> Value {
+    pairs.iter().map(|(name, value)| (name.clone(), json!(value))).collect()
 }
 
 /// The data and the model of each measured column.
@@ -303,8 +280,9 @@ fn for_people(found: &FitResult) -> String {
     text
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub(crate) struct Parameter {
+    #[serde(skip)]
     pub(crate) key: String,
     pub(crate) value: f64,
     /// `None` at a bound, and of a key that the data do not determine.
@@ -313,6 +291,7 @@ pub(crate) struct Parameter {
     pub(crate) start: f64,
     pub(crate) at_bound: bool,
     /// Whether it is a key of the scene that may be written.
+    #[serde(skip)]
     pub(crate) is_written: bool,
 }
 

@@ -20,7 +20,8 @@ const OF_MEDIAN: f64 = 1.4826;
 const FIRST_ROBUST: f64 = 0.03;
 
 /// Where the standard deviations of a column come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Weighting {
     /// A column `_std`.
     Given,
@@ -28,16 +29,6 @@ pub(crate) enum Weighting {
     Absolute,
     /// In proportion to the value.
     Relative,
-}
-
-impl Weighting {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Given => "given",
-            Self::Absolute => "absolute",
-            Self::Relative => "relative",
-        }
-    }
 }
 
 /// The standard deviation of each measured value.

@@ -11,25 +11,6 @@ use crate::scene_file::{Load, Scene};
 
 /// The power into a resistor, which follows from the voltage.
 const POWER: &str = "power_w";
-/// Units at the end of the name of a column.
-const UNITS: [(&str, &str); 9] = [
-    ("_m_per_s2", "m/s²"),
-    ("_m_per_s", "m/s"),
-    ("_ohm", "Ω"),
-    ("_m", "m"),
-    ("_c", "C"),
-    ("_v", "V"),
-    ("_n", "N"),
-    ("_w", "W"),
-    ("_s", "s"),
-];
-
-/// A column in words, and its unit; empty where it has none.
-pub(crate) fn quantity(column: &str) -> (String, &'static str) {
-    let found = UNITS.iter().find_map(|(end, unit)| Some((column.strip_suffix(end)?, *unit)));
-    let (word, unit) = found.unwrap_or((column, ""));
-    (word.replace('_', " "), unit)
-}
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Series {

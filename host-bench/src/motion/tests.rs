@@ -98,9 +98,9 @@ fn several_runs_are_named_and_a_bump_stop_has_a_portrait() {
 
 #[test]
 fn a_column_is_words_and_a_unit() {
-    assert_eq!(quantity("base_acceleration_m_per_s2"), ("base acceleration".to_owned(), "m/s²"));
-    assert_eq!(quantity("gap_m"), ("gap".to_owned(), "m"));
-    assert_eq!(quantity("stuck"), ("stuck".to_owned(), ""));
+    assert_eq!(number_and_unit("base_acceleration_m_per_s2"), ("base acceleration".to_owned(), "m/s²"));
+    assert_eq!(number_and_unit("gap_m"), ("gap".to_owned(), "m"));
+    assert_eq!(number_and_unit("stuck"), ("stuck".to_owned(), ""));
 }
 
 /// The charts of a page.

@@ -23,7 +23,7 @@ const PIXEL_MM: f64 = 7.0 * 25.4 / 72.0 / (18.0 / 1.24);
 static WIDTH_MM: OnceLock<f64> = OnceLock::new();
 
 /// Sets the printed width of all pictures of this process in mm. The first call counts.
-pub fn set_width_mm(width: f64) {
+pub(crate) fn set_width_mm(width: f64) {
     let _ = WIDTH_MM.set(width);
 }
 
@@ -31,7 +31,7 @@ pub fn set_width_mm(width: f64) {
 ///
 /// # Errors
 /// If it is no number, has another unit, or is outside 80 to 420 mm.
-pub fn width_mm(text: &str) -> Result<f64, String> {
+pub(crate) fn width_mm(text: &str) -> Result<f64, String> {
     let units = [("mm", 1.0), ("cm", 10.0), ("in", 25.4)];
     let parsed = units.into_iter().find_map(|(unit, factor)| {
         text.strip_suffix(unit)?.trim().parse::<f64>().ok().map(|number| factor * number)

@@ -1,8 +1,9 @@
 //! Metamorphic twins of a run: numbers that do not change where a scene is stated in other units, or where its window is split.
 
-use toml_edit::{DocumentMut, InlineTable, Item, TableLike, Value};
+use toml_edit::{DocumentMut, Value};
 
 use super::Case;
+use crate::fit::fitted_scene;
 use crate::method::Options;
 use crate::run::run_scene;
 use crate::scene_file::{Override, Scene, shipped};
@@ -15,20 +16,9 @@ pub(super) const POWER: f64 = 8.0;
 ///
 /// `None` if the case has a text that is not TOML.
 pub(super) fn rescaled(case: &Case) -> Option<Case> {
-    let file = std::fs::read_to_string(shipped(case.scene)).ok()?;
-    let mut document: DocumentMut = file.parse().ok()?;
-    for (key, text) in &case.changes {
-        for other in Override::new(key, text).alternatives() {
-            if let Some((table, last)) = other.rsplit_once('.') {
-                table_at(&mut document, table).remove(last);
-            }
-        }
-        let value = text.parse().unwrap_or_else(|_| Value::from(text.as_str()));
-        match key.rsplit_once('.') {
-            Some((table, last)) => _ = table_at(&mut document, table).insert(last, Item::Value(value)),
-            None => document[key.as_str()] = Item::Value(value),
-        }
-    }
+    let changes = case.changes.iter().map(|(key, text)| Override::new(key, text));
+    let text = fitted_scene(&shipped(case.scene), &changes.collect::<Vec<_>>(), &[], false).ok()?;
+    let document: DocumentMut = text.parse().ok()?;
     let tables = document.iter().filter(|(key, _)| *key != "scene");
     let changes = tables.filter_map(|(key, item)| {
         let mut value = item.clone().into_value().ok()?;
@@ -36,18 +26,6 @@ pub(super) fn rescaled(case: &Case) -> Option<Case> {
         Some((key.to_owned(), value.to_string().trim().to_owned()))
     });
     Some(Case { changes: changes.collect(), step_s: case.step_s.map(|step_s| 2.0 * step_s), ..case.clone() })
-}
-
-/// The table at a path, made where it is not there.
-fn table_at<'a>(document: &'a mut DocumentMut, path: &str) -> &'a mut dyn TableLike {
-    let mut place = document.as_item_mut();
-    for part in path.split('.') {
-        place = &mut place[part];
-        if !place.is_table_like() {
-            *place = Item::Value(Value::InlineTable(InlineTable::new()));
-        }
-    }
-    place.as_table_like_mut().expect("made above")
 }
 
 /// Multiplies each number in a value at `key` by the factor of its unit.

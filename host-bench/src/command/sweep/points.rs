@@ -10,7 +10,9 @@ use crate::attractors::add_branches;
 use crate::budget::day_numbers;
 use crate::command::files::{Outputs, make_folder};
 use crate::command::rows::Parts;
-use crate::command::{NODE, SceneArguments, StorageVoltage, check_keys, note, print, with_progress};
+use crate::command::{
+    NODE, SceneArguments, StorageVoltage, check_keys, fail_after_result, note, print, with_progress,
+};
 use crate::input::{self, MOST_OF_DATA};
 use crate::method::{Failure, Options};
 use crate::name::Name;
@@ -86,17 +88,6 @@ pub(in crate::command) struct Points<'a> {
     pub(in crate::command) compare: bool,
 }
 
-impl Done {
-    /// The points, after their files were written; their rows wait no longer.
-    pub(in crate::command) fn ended(self) -> Result<Vec<Point>, Failure> {
-        self.outputs.ended()?;
-        if let Some(rows) = self.rows {
-            rows.remove();
-        }
-        Ok(self.points)
-    }
-}
-
 pub(in crate::command) struct Point {
     pub(in crate::command) values: Vec<(String, f64)>,
     pub(in crate::command) found: Result<Fields, String>,
@@ -163,32 +154,29 @@ impl Points<'_> {
         Ok(Some(Done { points, outputs, rows }))
     }
 
-    /// Writes the table of the points, and the picture if there is one.
-    pub(in crate::command) fn keep(&self, done: &Done, picture: Option<&Picture>) -> Result<(), Failure> {
-        let Some(folder) = &self.arguments.output else { return Ok(()) };
-        let [table, drawings @ ..] = self.files().map(|name| folder.join(name));
-        make_folder(folder)?;
-        done.outputs.keep(&table, csv(&done.points));
-        for (file, picture) in drawings.iter().zip(picture.iter().cycle()) {
-            done.outputs.keep(file, picture.of_file(file)?);
-        }
-        Ok(())
-    }
-
-    /// Writes the files, prints the result, and fails if a point did.
+    /// Writes the table of the points, and the picture if there is one, prints the result, and fails if a point did.
     pub(in crate::command) fn end(
         &self,
-        done: Done,
+        Done { points, outputs, rows }: Done,
         picture: Option<&Picture>,
         text: &str,
     ) -> Result<(), Failure> {
-        self.keep(&done, picture)?;
+        if let Some(folder) = &self.arguments.output {
+            let [table, drawings @ ..] = self.files().map(|name| folder.join(name));
+            make_folder(folder)?;
+            outputs.keep(&table, csv(&points));
+            for (file, picture) in drawings.iter().zip(picture.iter().cycle()) {
+                outputs.keep(file, picture.of_file(file)?);
+            }
+        }
         print(text)?;
-        let points = done.ended()?;
+        outputs.ended()?;
+        // The rows wait no longer.
+        rows.into_iter().for_each(Rows::remove);
         let mut failed = points.iter().filter_map(|point| Some((point, point.found.as_ref().err()?)));
         let Some((point, error)) = failed.next() else { return Ok(()) };
         let (count, all, place) = (1 + failed.count(), points.len(), point.place());
-        Err(Failure::Step(format!("{count} of {all} points failed, the first at {place}: {error}")))
+        fail_after_result(format!("{count} of {all} points failed, the first at {place}: {error}"))
     }
 
     fn files(&self) -> [String; 3] {
