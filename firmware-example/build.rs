@@ -68,7 +68,7 @@ fn main() {
     println!("cargo::rerun-if-env-changed=HARVESTER_BOARD");
     println!("cargo::rerun-if-env-changed=DEFMT_LOG");
     println!("cargo::rerun-if-env-changed=HARVESTER_SCENE");
-    println!("cargo::rerun-if-changed=../memory.x");
+    println!("cargo::rerun-if-changed=memory.x");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed={DAY}");
 
@@ -104,6 +104,8 @@ fn main() {
     println!("cargo::rustc-link-arg-bins=--nmagic");
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
     println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
+    // memory.x, for the binaries of `embassy` too.
+    println!("cargo::rustc-link-search={}", env!("CARGO_MANIFEST_DIR"));
 }
 
 /// The board asked for, once it is known to have the core that is compiled for.

@@ -54,11 +54,16 @@ class Fixture(unittest.TestCase):
             "functions over 60 lines": 0,
             # left and right. What left imports from scene, the module around it, makes no circle.
             "circles of files": 1,
+            "files of another package": 0,
             # scalar imports from scene.
             "imports upward": 1,
             "private words": 0,
         }
         self.assertEqual({name: found[name] for name in expected}, expected)
+
+    def test_a_file_of_another_package_is_not_in_the_package(self):
+        text = 'mod a { include!("b.rs"); include_str!("../../c.txt") } #[path = "../../tool/d.rs"] mod d;'
+        self.assertEqual(measured({"model-core/src/a.rs": text})["files of another package"], 2)
 
     def test_a_function_of_61_lines_is_long_and_one_of_60_is_not(self):
         for statements, count in ((58, 0), (59, 1)):

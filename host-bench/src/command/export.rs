@@ -78,7 +78,8 @@ fn bytes(library: Option<&Path>) -> Result<Vec<u8>, Failure> {
         Some(file) => file.to_owned(),
         None if cfg!(all(target_os = "linux", target_arch = "x86_64")) => {
             let packages = ["build", "--release", "--package", "harvester-fmu", "--package", "host-bench"];
-            cargo(&packages, "").map_err(Failure::Input)?.join("release/libharvester_fmu.so")
+            let failed = |reason| Failure::Input(format!("--fmu without --library: {reason}"));
+            cargo(&packages, "").map_err(failed)?.join("release/libharvester_fmu.so")
         }
         None => return Err(Failure::Input("--library: must be given on this system".to_owned())),
     };

@@ -7,7 +7,7 @@ use clap::builder::PossibleValuesParser;
 use super::files::Outputs;
 use super::{json_text, note, print};
 use crate::method::Failure;
-use crate::scene_file::{template, templates};
+use crate::scene_file::{TEMPLATES, template};
 use harvester_scene::keys;
 
 /// How to print the keys.
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &KeysArguments) -> Result<(), Failure> {
 #[derive(Debug, Clone, clap::Args)]
 pub struct NewArguments {
     /// Which scene
-    #[arg(value_name = "SCENE", value_parser = PossibleValuesParser::new(templates()))]
+    #[arg(value_name = "SCENE", value_parser = PossibleValuesParser::new(TEMPLATES))]
     scene: String,
     /// Write the template to this file, which must not exist; without it: to standard output
     #[arg(long, value_name = "FILE.toml")]

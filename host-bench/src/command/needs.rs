@@ -19,7 +19,7 @@ use crate::needs::{
     corner_name, cycles, impacts,
 };
 use crate::on_target::qemu::Core;
-use crate::on_target::{self, Bench, Measurement};
+use crate::on_target::{self, Bench, Measurement, build};
 use crate::outcome::{Fields, Format, SwitchCycles, fields, folded, name, rows_csv, small, table};
 use crate::rows::{Digits, Rows};
 use crate::run::run_scene;
@@ -71,6 +71,9 @@ pub(super) fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     }
     if arguments.core.is_some() && scene.excitation.is_recorded() {
         return Err(Failure::Input("--core: must not be with a recorded acceleration".to_owned()));
+    }
+    if arguments.core.is_some() {
+        build::workspace().map_err(|reason| Failure::Input(format!("--core: {reason}")))?;
     }
     let study = Study::with_corners(&scene, &corners(arguments, &scene)?, accuracy)?;
     for warning in &study.full.warnings {

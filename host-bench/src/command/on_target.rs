@@ -19,7 +19,7 @@ use super::count;
 use super::files::Outputs;
 use crate::method::Failure;
 use crate::on_target::qemu::{self, Core};
-use crate::on_target::{Bench, Error, day};
+use crate::on_target::{Bench, Error, build, day};
 use crate::outcome;
 use rows::{Case, Column, RADAU, Row, Steps};
 
@@ -71,6 +71,7 @@ pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
         outputs.check("", file).map_err(failed)?;
         return outputs.write(file, day::table(&day::day()?)).map_err(failed);
     }
+    build::workspace().map_err(|what| Error::File { path: "on-target".into(), what })?;
     qemu::find()?;
     let limit = Duration::from_secs(arguments.time_limit);
     let mut output = Output::new(arguments.format);

@@ -56,9 +56,17 @@ pub enum Error {
     },
 }
 
+/// The source tree that this program was built in. A program that is installed has none.
+pub(crate) fn workspace() -> Result<PathBuf, String> {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let is_there = workspace.join("firmware-example/Cargo.toml").is_file();
+    let reason = "builds firmware or an FMU, must be run in the source tree of the project: cargo run --release -- COMMAND";
+    is_there.then_some(workspace).ok_or_else(|| reason.to_owned())
+}
+
 /// Runs cargo in this workspace for this computer. Returns the target folder, which is `folder` in the usual one.
 pub(crate) fn cargo(arguments: &[&str], folder: &str) -> Result<PathBuf, String> {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let workspace = workspace()?;
     let all = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
     let target = workspace.join(all).join(folder);
     let mut cargo = Command::new("cargo");
@@ -77,10 +85,10 @@ pub(crate) fn cargo(arguments: &[&str], folder: &str) -> Result<PathBuf, String>
 ///
 /// When there is no compiler for it, or it does not compile.
 pub fn build(core: Core, binary: Binary<'_>) -> Result<PathBuf, Error> {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let io_error = |source| Error::Io { core, source };
+    let workspace = workspace().map_err(|reason| io_error(io::Error::other(reason)))?;
     let hardware = core.hardware();
     let toolchain = Toolchain::find(hardware.target)?;
-    let io_error = |source| Error::Io { core, source };
 
     let all = env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
     // A directory for each thread that builds: one build does not wait for the lock of another, and a directory for each board

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value as Json, json};
 
 use super::*;
-use crate::scene_file::{self, Override, rows_of, template, templates};
+use crate::scene_file::{self, Override, TEMPLATES, rows_of, template};
 
 /// The workspace.
 fn workspace() -> PathBuf {
@@ -49,7 +49,7 @@ fn file(folder: &str, name: &str, text: &str) -> PathBuf {
 
 #[test]
 fn a_template_is_the_scene_that_its_values_are_of() {
-    for name in templates() {
+    for name in TEMPLATES {
         let text = template(name).expect("a template");
         let path = file("templates", name, &text);
         let shipped = if name == "contact-separation" { "contact-separation-passive" } else { name };
@@ -365,9 +365,11 @@ fn the_schema_accepts_the_shipped_scenes_and_refuses_faults() {
         scene_file::as_json(path, &sets).expect("a document")
     };
     let mut count = 0;
-    for entry in std::fs::read_dir(workspace().join("host-bench/scenes")).expect("the shipped scenes") {
+    for entry in std::fs::read_dir(env!("CARGO_MANIFEST_DIR")).expect("the shipped scenes") {
         let path = entry.expect("a file").path();
-        if path.extension().is_some_and(|extension| extension == "toml") {
+        let is_scene = path.extension().is_some_and(|extension| extension == "toml");
+        if is_scene && !path.ends_with("Cargo.toml") {
+            assert_eq!(scene_file::shipped_text(&path), std::fs::read_to_string(&path).ok().as_deref());
             let document = read(&path, &[]);
             assert_eq!(check(&document, &schema, &schema), Ok(()), "{}", path.display());
             count += 1;

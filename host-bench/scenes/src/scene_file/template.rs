@@ -1,33 +1,27 @@
 //! Templates of scene files: the values of a shipped scene, each key with what it may be.
 
-use std::path::Path;
-
-use super::KEYS;
 use super::document::{Content, Document, Node};
 use super::key::{Default, Key, Kind, Table, Value};
+use super::{KEYS, shipped, shipped_text};
 
-/// Name and text of the scenes that templates take their values from.
-const SCENES: [(&str, &str); 8] = [
-    ("contact-separation", include_str!("../../../scenes/contact-separation-passive.toml")),
-    ("contact-separation-truck", include_str!("../../../scenes/contact-separation-truck.toml")),
-    ("sliding", include_str!("../../../scenes/sliding.toml")),
-    ("bump-stop", include_str!("../../../scenes/bump-stop.toml")),
-    ("bump-stop-none", include_str!("../../../scenes/bump-stop-none.toml")),
-    ("bump-stop-tip-mass", include_str!("../../../scenes/bump-stop-tip-mass.toml")),
-    ("rectified", include_str!("../../../scenes/rectified.toml")),
-    ("node", include_str!("../../../scenes/node.toml")),
+/// The names of the templates, each with the values of a scene of this name; of `contact-separation` the passive one.
+pub const TEMPLATES: [&str; 8] = [
+    "contact-separation",
+    "contact-separation-truck",
+    "sliding",
+    "bump-stop",
+    "bump-stop-none",
+    "bump-stop-tip-mass",
+    "rectified",
+    "node",
 ];
-
-/// The names of the templates.
-pub fn templates() -> [&'static str; 8] {
-    SCENES.map(|(name, _)| name)
-}
 
 /// A template: every key with unit, bounds and meaning; those that may be left out and have no value are comments. `None`
 /// if there is none of this name.
 pub fn template(name: &str) -> Option<String> {
-    let (name, text) = SCENES.iter().find(|(known, _)| *known == name)?;
-    let document = Document::parse(Path::new(name), text).ok()?;
+    let name = *TEMPLATES.iter().find(|known| **known == name)?;
+    let file = shipped(if name == "contact-separation" { "contact-separation-passive" } else { name });
+    let document = Document::parse(&file, shipped_text(&file)?).ok()?;
     let mut lines = Lines(Vec::new());
     lines.0.extend(
         [

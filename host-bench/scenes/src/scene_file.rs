@@ -34,7 +34,7 @@ pub use self::limits::{breakdown_voltage_v, fringing};
 pub use self::overrides::{Override, contains, number_of, replaces};
 pub use self::scene::*;
 use self::section::{Reader, Section};
-pub use self::template::{template, templates};
+pub use self::template::{TEMPLATES, template};
 pub use self::trace::number::{Delimiter, Numbers};
 /// Acceleration of gravity in m/s²: the factor of `amplitude_g`.
 pub use model_core::part::GRAVITY;
@@ -164,9 +164,27 @@ pub(crate) fn as_json(file: &Path, overrides: &[Override]) -> Result<serde_json:
     Document::read(file, overrides).map(|document| document.content.as_json())
 }
 
-/// The path of a scene file in `host-bench/scenes`, by its name without ending.
+macro_rules! texts {
+    ($($name:literal)*) => { [$(($name, include_str!(concat!("../", $name, ".toml")))),*] };
+}
+
+/// Name and text of the scene files of this package.
+const SHIPPED: [(&str, &str); 17] = texts![
+    "bimorph-erturk-inman" "bump-stop" "bump-stop-below-resonance" "bump-stop-below-resonance-charging"
+    "bump-stop-below-resonance-mid-span" "bump-stop-below-resonance-none" "bump-stop-mid-span" "bump-stop-none" "bump-stop-tip"
+    "bump-stop-tip-mass" "contact-separation" "contact-separation-hosseini" "contact-separation-passive"
+    "contact-separation-truck" "node" "rectified" "sliding"
+];
+
+/// The path of a scene file in `host-bench/scenes`, by its name without ending. [`read`] has its text where there is no file,
+/// as of a program that is installed.
 pub fn shipped(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name).with_extension("toml")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name).with_extension("toml")
+}
+
+/// The text of a path of [`shipped`], as it was when this was built.
+pub fn shipped_text(file: &Path) -> Option<&'static str> {
+    SHIPPED.iter().find(|(name, _)| shipped(name) == file).map(|(_, text)| *text)
 }
 
 /// The scene of a file in `host-bench/scenes` by its name without ending, with these keys changed.
