@@ -48,7 +48,8 @@ fn run_accepts_each_template() {
 fn the_shipped_scenes_name_the_schema() {
     let folder = Path::new(SHIPPED).parent().expect("a folder");
     for entry in std::fs::read_dir(folder).expect("scenes").map(|entry| entry.expect("a file").path()) {
-        if entry.extension().is_some_and(|extension| extension == "toml") {
+        let is_toml = entry.extension().is_some_and(|extension| extension == "toml");
+        if is_toml && !entry.ends_with("Cargo.toml") {
             let text = std::fs::read_to_string(&entry).expect("a scene");
             assert!(text.starts_with("#:schema scene.schema.json\n"), "{}", entry.display());
         }
