@@ -9,11 +9,32 @@ use host_bench::command::report;
 use host_bench::method::Failure;
 
 fn main() -> ExitCode {
-    let parsed = command().try_get_matches().and_then(|matches| Arguments::from_arg_matches(&matches));
+    let parsed = command().try_get_matches().and_then(|matches| {
+        check_width(&matches)?;
+        Arguments::from_arg_matches(&matches)
+    });
     match parsed {
         Err(error) => usage(&error),
         Ok(arguments) => arguments.run().map_or_else(|failure| report(&failure), |()| ExitCode::SUCCESS),
     }
+}
+
+/// Refuses the width of a picture where no file of a picture is written.
+fn check_width(matches: &clap::ArgMatches) -> Result<(), clap::Error> {
+    let Some(width) = matches.get_one::<f64>("width") else { return Ok(()) };
+    let (name, of_command) = matches.subcommand().unwrap_or(("the command without a name", matches));
+    let file = match name {
+        "figures" => return Ok(()),
+        "plot" | "sweep" | "tolerance" => "output",
+        "budget" => "svg",
+        "node-strategies" | "node-years" => "page",
+        _ => "picture",
+    };
+    if matches!(of_command.try_contains_id(file), Ok(true)) {
+        return Ok(());
+    }
+    let text = format!("--width {width}mm: {name} writes no file of a picture here, whose width this is");
+    Err(clap::Error::raw(ErrorKind::ArgumentConflict, text))
 }
 
 /// Prints help as clap does, and an error as one line.

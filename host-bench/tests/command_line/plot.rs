@@ -57,9 +57,14 @@ fn a_run_has_its_picture_in_a_printed_width() {
     assert!(
         picture.contains(&format!("viewBox=\"0 0 {units:.0} ")) && picture.contains("font-size=\"14.516129")
     );
-    let refused =
-        |text: &str| refused(&["run", PASSIVE, "--width", text], &["--width", text, "80mm to 420mm"]);
-    ["8mm", "85", "85px"].into_iter().for_each(refused);
+    for text in ["8mm", "85", "85px"] {
+        refused(&["run", PASSIVE, "--width", text], &["--width", text, "80mm to 420mm"]);
+    }
+    for arguments in
+        [&["run", PASSIVE][..], &["keys"], &["sweep", PASSIVE, "--over", "load.resistance_ohm=1k:1M:2"], &[]]
+    {
+        refused(&[arguments, &["--width", "85mm"]].concat(), &["--width 85mm", "no file of a picture"]);
+    }
 }
 
 #[test]
