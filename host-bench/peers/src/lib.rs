@@ -1,10 +1,9 @@
 //! General integrators of other crates on the harvesters' equations, beside the embedded core alone.
 //!
-//! A scene of a fixed list is run by one method at one setting and gives the mean power in its measuring window
-//! ([`run`]). The methods of the core run with the parts of the scene chosen at compile time and one power, as in a
-//! firmware. The peers integrate the same equations in double precision, written here in the voltage at the terminals,
-//! with the delivered energy as a further state; impacts, reversals, the corner of the overlap, the release from stick
-//! and the switching of a bridge are located on their dense output.
+//! A scene of a fixed list is run by one method at one setting and gives the mean power in its measuring window ([`run`]). The methods
+//! of the core run with the parts of the scene chosen at compile time and one power, as in a firmware. The peers integrate the same
+//! equations in double precision, written here in the voltage at the terminals, with the delivered energy as a further state; impacts,
+//! reversals, the corner of the overlap, the release from stick and the switching of a bridge are located on their dense output.
 
 mod embedded;
 mod load;

@@ -1,9 +1,8 @@
 //! The two kinds of load at a harvester's terminals: a resistor, and a full bridge into a storage capacitor.
 //!
-//! At its terminals a harvester is a capacitance `C` and the current `j` that the motion drives into a short circuit, so
-//! the voltage obeys `C V' = j − I`. Through a resistor `I = V/R`. A bridge blocks while `|V| < V_s + 2 V_D`; while it
-//! conducts, `V = s (V_s + 2 V_D)` and `C_s V_s' = |I| − i_out`, which gives
-//! `I = (j + s (C/C_s) i_out) / (1 + C/C_s)`.
+//! At its terminals a harvester is a capacitance `C` and the current `j` that the motion drives into a short circuit, so the voltage
+//! obeys `C V' = j − I`. Through a resistor `I = V/R`. A bridge blocks while `|V| < V_s + 2 V_D`; while it conducts, `V = s (V_s + 2
+//! V_D)` and `C_s V_s' = |I| − i_out`, which gives `I = (j + s (C/C_s) i_out) / (1 + C/C_s)`.
 
 use harvester_scene::scene_file::{Draw, RectifiedStore};
 

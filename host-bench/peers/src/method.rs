@@ -122,8 +122,16 @@ pub struct Case {
     pub overrides: &'static [&'static str],
 }
 
-const CONTACT_RUN: [&str; 2] = ["run.duration_s=3", "run.settle_s=2"];
-const SLIDING_RUN: [&str; 2] = ["run.duration_periods=54", "run.settle_periods=36"];
+const CONTACT_RUN: &str = "run={duration_s=3, settle_s=2}";
+const SLIDING_RUN: &str = "run={duration_periods=54, settle_periods=36}";
+const STICK_SLIP: [&str; 3] = [
+    "excitation.amplitude_g=0.30",
+    "excitation.frequency_hz=6",
+    "run={duration_periods=18, settle_periods=12}",
+];
+/// The core of this comparison has the force law of the first paper.
+const FIRST_LAW: &str = "parameters.force_law=transferred-charge";
+const BUMP_STOP_RUN: &str = "run={duration_s=0.02, settle_s=0.005}";
 /// A storage, at a voltage that the harvester exceeds.
 const STORE: &str = "load={kind=\"rectified-store\", capacitance_f=1e-6, diode_drop_v=0.3, leakage_ohm=1e9, \
                      initial_v=5.0, draw={kind=\"none\"}}";
@@ -132,65 +140,24 @@ const STORE_OF_PIEZO: &str = "load={kind=\"rectified-store\", capacitance_f=1e-6
 
 /// All of them, in the order of the table.
 pub const CASES: [Case; 9] = [
-    Case {
-        name: "contact-100M",
-        file: "contact-separation",
-        overrides: &["load.resistance_ohm=1e8", CONTACT_RUN[0], CONTACT_RUN[1]],
-    },
-    Case {
-        name: "contact-1M",
-        file: "contact-separation",
-        overrides: &["load.resistance_ohm=1e6", CONTACT_RUN[0], CONTACT_RUN[1]],
-    },
-    Case {
-        name: "contact-1k",
-        file: "contact-separation",
-        overrides: &["load.resistance_ohm=1e3", CONTACT_RUN[0], CONTACT_RUN[1]],
-    },
-    Case {
-        name: "sliding-100M",
-        file: "sliding",
-        overrides: &["load.resistance_ohm=1e8", SLIDING_RUN[0], SLIDING_RUN[1]],
-    },
-    Case {
-        name: "sliding-1M",
-        file: "sliding",
-        overrides: &["load.resistance_ohm=1e6", SLIDING_RUN[0], SLIDING_RUN[1]],
-    },
-    Case {
-        name: "stick-slip",
-        file: "sliding",
-        overrides: &[
-            "excitation.amplitude_g=0.30",
-            "excitation.frequency_hz=6",
-            "run.duration_periods=18",
-            "run.settle_periods=12",
-        ],
-    },
-    // The core of this comparison has the force law of the first paper.
-    Case {
-        name: "contact-bridge",
-        file: "rectified",
-        overrides: &[
-            CONTACT_RUN[0],
-            CONTACT_RUN[1],
-            "parameters.force_law=transferred-charge",
-            "excitation.frequency_hz=20.0",
-        ],
-    },
-    Case { name: "sliding-bridge", file: "sliding", overrides: &[STORE, SLIDING_RUN[0], SLIDING_RUN[1]] },
-    Case {
-        name: "bump-stop-bridge",
-        file: "bump-stop",
-        overrides: &[
-            STORE_OF_PIEZO,
-            "parameters.beam_modes=4",
-            "stop.rod_modes=1",
-            "run.duration_s=0.02",
-            "run.settle_s=0.005",
-        ],
-    },
+    case("contact-100M", "contact-separation", &["load.resistance_ohm=1e8", CONTACT_RUN]),
+    case("contact-1M", "contact-separation", &["load.resistance_ohm=1e6", CONTACT_RUN]),
+    case("contact-1k", "contact-separation", &["load.resistance_ohm=1e3", CONTACT_RUN]),
+    case("sliding-100M", "sliding", &["load.resistance_ohm=1e8", SLIDING_RUN]),
+    case("sliding-1M", "sliding", &["load.resistance_ohm=1e6", SLIDING_RUN]),
+    case("stick-slip", "sliding", &STICK_SLIP),
+    case("contact-bridge", "rectified", &[FIRST_LAW, "excitation.frequency_hz=20.0", CONTACT_RUN]),
+    case("sliding-bridge", "sliding", &[STORE, SLIDING_RUN]),
+    case(
+        "bump-stop-bridge",
+        "bump-stop",
+        &[STORE_OF_PIEZO, "parameters.beam_modes=4", "stop.rod_modes=1", BUMP_STOP_RUN],
+    ),
 ];
+
+const fn case(name: &'static str, file: &'static str, overrides: &'static [&'static str]) -> Case {
+    Case { name, file, overrides }
+}
 
 impl Case {
     /// The scene.
