@@ -2,7 +2,7 @@
 //! samples of a recorded one too.
 
 use crate::outcome::{BumpStopOutcome, Outcome};
-use crate::scene_file::Scene;
+use crate::scene_file::{Excitation, Scene};
 
 /// Least number of lines in the half-power bandwidth of a resonance. With fewer the response is a beat of few sines.
 const LEAST_LINES: f64 = 4.0;
@@ -30,7 +30,18 @@ const FARTHEST: f64 = 10.0;
 
 /// What to know of the excitation before the numbers of a run are used.
 pub(crate) fn remarks(scene: &Scene, outcome: &Outcome) -> impl Iterator<Item = String> {
-    [far_from_resonance(scene, outcome), too_few_lines(scene, outcome)].into_iter().flatten()
+    [far_from_resonance(scene, outcome), too_few_lines(scene, outcome), resampled(scene)]
+        .into_iter()
+        .flatten()
+}
+
+/// What a resampling did to the recording.
+fn resampled(scene: &Scene) -> Option<String> {
+    let Excitation::File(trace) = &scene.excitation else { return None };
+    let ([moved, filled], rate_hz, count) = (trace.resampled?, trace.rate_hz, trace.samples_m_per_s2.len());
+    Some(format!(
+        "excitation.resample_hz = {rate_hz}: of {count} samples {moved} are moved to even times, {filled} fill gaps"
+    ))
 }
 
 /// Whether a warning is that of a sine that is far from every resonance.

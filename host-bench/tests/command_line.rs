@@ -27,7 +27,6 @@ mod command_line {
     mod refused_options;
     mod refused_scenes;
     mod refused_spellings;
-    mod refused_traces;
     mod report;
     mod seeds;
     mod sliding;

@@ -83,8 +83,7 @@ impl Default for LocalBase {
 impl LocalBase {
     fn of_tones(tones: &[Tone], start: f64) -> Self {
         let local = |tone: &Tone| {
-            // Turns since time zero. The rounding of the product is added again, so that a long run keeps its
-            // phase.
+            // Turns since time zero. The rounding of the product is added again, so that a long run keeps its phase.
             let turns = tone.frequency_hz * start;
             let rest = tone.frequency_hz.mul_add(start, -turns);
             let phase = TAU * (turns.fract() + rest) + tone.phase_rad;
@@ -228,7 +227,8 @@ mod tests {
     use crate::scene_file::{BurstShape, Random, Sweep};
 
     fn trace(repeat: bool) -> Excitation {
-        Excitation::File(Trace { samples_m_per_s2: [0.0, 1.0, -2.0, 0.5].into(), rate_hz: 4.0, repeat })
+        let samples_m_per_s2 = [0.0, 1.0, -2.0, 0.5].into();
+        Excitation::File(Trace { samples_m_per_s2, rate_hz: 4.0, repeat, resampled: None })
     }
 
     #[test]

@@ -247,7 +247,7 @@ fn smoother(scene: &Scene) -> Option<Scene> {
         finer.push(samples[count - 1]);
     }
     let rate_hz = trace.rate_hz * FINER as f64;
-    let trace = Trace { samples_m_per_s2: finer.into(), rate_hz, repeat: trace.repeat };
+    let trace = Trace { samples_m_per_s2: finer.into(), rate_hz, ..trace.clone() };
     Some(Scene { excitation: Excitation::File(trace), ..scene.clone() })
 }
 

@@ -374,6 +374,7 @@ pub(crate) fn with_trace(scene: &Scene, data: &Data, interpolation: Interpolatio
                 samples_m_per_s2: joined(samples, interpolation),
                 rate_hz: 1.0 / spacing_s,
                 repeat: false,
+                resampled: None,
             }),
         };
     }

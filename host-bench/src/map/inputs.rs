@@ -192,6 +192,7 @@ fn one(
             samples_m_per_s2: Arc::from(input),
             rate_hz: rate * FINER as f64,
             repeat: false,
+            resampled: None,
         }),
         run: RunSpan { duration_s: samples as f64 / rate, settle_s: settling as f64 / rate },
         ..scene.clone()

@@ -286,7 +286,7 @@ fn samples() -> Excitation {
         TWO_TONES.map(value).iter().sum()
     };
     let samples_m_per_s2 = (0..RATE_HZ as u32).map(sample).collect();
-    Excitation::File(Trace { samples_m_per_s2, rate_hz: RATE_HZ, repeat: true })
+    Excitation::File(Trace { samples_m_per_s2, rate_hz: RATE_HZ, repeat: true, resampled: None })
 }
 
 const COLUMNS: [Column<'_>; 14] = [

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use super::tool::{BUMP_STOP, PASSIVE, SHIPPED, file, folder, host_bench, json, number, refused};
+use super::tool::{BUMP_STOP, PASSIVE, SHIPPED, file, folder, host_bench, json, number, refused, set};
 
 const OVER: [&str; 2] = ["--over", "load.resistance_ohm=1e6:1e8"];
 
@@ -86,18 +86,9 @@ fn a_coarse_recording_is_told_how_many_samples_it_needs() {
         let _ = writeln!(samples, "{}", (std::f64::consts::TAU * 20.1 * 0.01 * f64::from(row)).sin());
     }
     file(&folder, "recorded.csv", samples);
-    let shipped = std::fs::read_to_string(PASSIVE).expect("the shipped scene");
-    let from = shipped.find("[excitation]").expect("the table");
-    let scene = file(
-        &folder,
-        "scene.toml",
-        format!(
-            "{}[excitation]\nkind = \"file\"\npath = \"recorded.csv\"\nrate_hz = 100\ncolumn = 1\nscale_m_per_s2 = 0.2\n\
-             [run]\nduration_s = 3.0\nsettle_s = 1.0\n",
-            &shipped[..from]
-        ),
-    );
-    let (_, warnings) = run(&scene, &[]);
+    let table = "path = \"recorded.csv\"\nrate_hz = 100\ncolumn = 1";
+    let changes = ["run={duration_s=3.0,settle_s=1.0}", "excitation.scale_m_per_s2=0.2"];
+    let (_, warnings) = run(&super::traces::scene(&folder, table), &set(&changes));
     let natural = (80.0_f64 / 5e-3).sqrt() / std::f64::consts::TAU;
     assert!(warnings.contains("by the sampling of the trace"), "{warnings}");
     let told = format!(

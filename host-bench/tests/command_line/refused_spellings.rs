@@ -70,40 +70,26 @@ fn a_key_with_line_breaks_and_escape_sequences_is_told_in_one_line() {
 fn a_key_that_another_option_replaces() {
     let over = ["--over", "load.resistance_ohm=1e6:1e8:2"];
     for (command, options, parts) in [
+        ("run", "run.settle_s=0 run.settle_s=1", ["--set run.settle_s", "after --set run.settle_s"]),
         (
             "run",
-            &["run.settle_s=0", "run.settle_s=1"][..],
-            ["--set run.settle_s", "after --set run.settle_s"],
-        ),
-        (
-            "run",
-            &["run.settle_s=0", "run.settle_periods=1"],
+            "run.settle_s=0 run.settle_periods=1",
             ["--set run.settle_periods", "after --set run.settle_s"],
         ),
-        (
-            "run",
-            &["excitation.frequency_hz=9", " excitation . frequency_hz=8"],
-            ["--set excitation.frequency_hz", "after"],
-        ),
-        (
-            "run",
-            &["load.resistance_ohm=1", "load={kind='resistor',resistance_ohm=2}"],
-            ["--set load:", "after --set load.resistance_ohm"],
-        ),
+        ("run", "run.settle_s=0 run={duration_s=2}", ["--set run:", "after --set run.settle_s"]),
         (
             "closed-form",
-            &["load.resistance_ohm=1", "load.resistance_ohm=1"],
+            "load.resistance_ohm=1 load.resistance_ohm=1",
             ["--set load.resistance_ohm", "after"],
         ),
-        (
-            "sweep",
-            &["load.resistance_ohm=1"],
-            ["--over load.resistance_ohm", "after --set load.resistance_ohm"],
-        ),
+        ("sweep", "load.resistance_ohm=1", ["--over load.resistance_ohm", "after --set load.resistance_ohm"]),
     ] {
         let of_sweep = if command == "sweep" { &over[..] } else { &[] };
-        refused(&[&[command, SHIPPED], &set(options)[..], of_sweep].concat(), &parts);
+        let options: Vec<&str> = options.split(' ').collect();
+        refused(&[&[command, SHIPPED], &set(&options)[..], of_sweep].concat(), &parts);
     }
+    let spaced = set(&["excitation.frequency_hz=9", " excitation . frequency_hz=8"]);
+    refused(&[&["run", SHIPPED], &spaced[..]].concat(), &["--set excitation.frequency_hz", "after"]);
     // A part of what was set before.
     let tones = "excitation={kind='sines',tones=[{amplitude_g=0.1,frequency_hz=20}]}";
     let louder = "excitation.tones.0.amplitude_g=0.2";

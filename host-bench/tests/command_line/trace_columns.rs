@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use hound::{SampleFormat, WavSpec, WavWriter};
 use serde_json::Value;
 
 use super::tool::{file, folder, outcome, refused};
@@ -132,6 +131,21 @@ fn times_that_are_not_even_are_refused_with_the_line() {
     let pause =
         table("t,x\n", |time, number| format!("{},{number}", if time > 0.3 { time + 0.0125 } else { time }));
     refused_by(&folder, &pause, "column = 2", &["line 123", "0.015000 s after the one before"]);
+    let resampled = "column = 2\nresample_hz = 400";
+    refused_by(
+        &folder,
+        &pause,
+        resampled,
+        &["longest_gap_samples", "line 123", "0.015000 s after the one before: 5 samples are missing"],
+    );
+    let slow = "column = 2\nresample_hz = 300\nlongest_gap_samples = 5";
+    refused_by(&folder, &pause, slow, &["resample_hz = 300", "at least 360"]);
+    refused_by(
+        &folder,
+        &pause,
+        &format!("{resampled}\nrate_hz = 400"),
+        &["resample_hz", "must not be beside rate_hz"],
+    );
     let falling = table("t,x\n", |time, number| format!("{},{number}", 1.0 - time));
     refused_by(&folder, &falling, "column = 2", &["excitation.path", "do not rise"]);
     let clock = table("Timestamp,x\n", |_, number| format!("12:00,{number}"));
@@ -143,6 +157,27 @@ fn times_that_are_not_even_are_refused_with_the_line() {
     );
     let slow = table("t,x\n", |time, number| format!("{},{number}", 1e9 * time));
     refused_by(&folder, &slow, "column = 2", &["4e-7 Hz", "from 1e-3 to 1e6"]);
+}
+
+/// Of times off by up to 0.4 intervals the cubic errs by at most `3/128 (1.8 ωh)⁴` = 1.5e-4 of a sine of 40 samples a period,
+/// and its power by twice as much.
+#[test]
+fn a_run_on_a_resampled_recording_has_the_power_of_the_even_one() {
+    let folder = folder("resampled");
+    let of = |jitter: f64, keys: &str| {
+        let rows = (0..=INTERVALS).map(|at| {
+            let time = (f64::from(at) + jitter * (0.7 * f64::from(at * at)).sin()) / 400.0;
+            format!("{time},{}\n", (20.0 * std::f64::consts::PI * time).sin())
+        });
+        file(&folder, "trace.csv", rows.collect::<String>());
+        outcome(&scene(&folder, &format!("path = \"trace.csv\"\ncolumn = 2\n{keys}")), &[])
+    };
+    let [even, found] = [of(0.0, ""), of(0.4, "resample_hz = 400")];
+    let power = |found: &Value| found["mean_power_w"].as_f64().expect("a power");
+    let apart = power(&found) / power(&even) - 1.0;
+    assert!(apart.abs() < 3e-4, "{apart}");
+    let warnings = found["warnings"].to_string();
+    assert!(warnings.contains("resample_hz = 400: of 201 samples 1"), "{warnings}");
 }
 
 #[test]
@@ -165,28 +200,12 @@ fn columns_that_cannot_be_told_apart_are_refused() {
     let comma = table("x\n", |_, number| number.to_string().replace('.', ","));
     refused_by(&folder, &comma, "column = \"x\"\nrate_hz = 400", &["line 3", "2 columns", "decimal commas"]);
     refused_by(&folder, "t;x\n0;1,5\n1;1.500\n2;0\n", "column = 2", &["line 3", "decimal mark '.'"]);
-}
-
-#[test]
-fn a_wave_file_of_one_channel_needs_no_column() {
-    let folder = folder("mono");
-    let write = |channels: u16| {
-        let spec =
-            WavSpec { channels, sample_rate: 400, bits_per_sample: 16, sample_format: SampleFormat::Int };
-        let mut writer = WavWriter::create(folder.join("trace.wav"), spec).expect("a writable folder");
-        for at in 0..=INTERVALS {
-            let sample = ((0.05 * std::f64::consts::PI * f64::from(at)).sin() * 32_767.0) as i16;
-            (0..channels).for_each(|_| writer.write_sample(sample).expect("written"));
-        }
-        writer.finalize().expect("written");
-    };
-    write(1);
-    let mono = outcome(&scene(&folder, "path = \"trace.wav\""), &[]);
-    assert_eq!(
-        mono["peak_gap_m"],
-        outcome(&scene(&folder, "path = \"trace.wav\"\ncolumn = 1"), &[])["peak_gap_m"]
-    );
-    write(2);
-    let scene = scene(&folder, "path = \"trace.wav\"");
-    refused(&["run", &scene], &["excitation.column: is missing", "from 1 to 2"]);
+    for (data, clock, parts) in [
+        ("0,1\nnan,2\n0.2,3\n", "1", ["excitation.time_column = 1", "line 2: time NaN s must be finite"]),
+        ("0,1\n0.1,2\n", "3", ["excitation.time_column = 3", "line 1: there are 2 columns"]),
+        ("s,x\n0.1,2\n", "\"t\"", ["excitation.time_column = \"t\"", "\"s\", \"x\""]),
+        ("0,1\n", "0", ["excitation.time_column = 0", "number from 1"]),
+    ] {
+        refused_by(&folder, data, &format!("column = 2\ntime_column = {clock}"), &parts);
+    }
 }

@@ -54,7 +54,7 @@ fn a_fast_base_within_a_step_of_bump_stop_is_right() {
     // Samples at 100 kHz that a step of 20 µs does not see.
     let samples: Vec<f64> =
         (0..6000_i32).map(|n| 40.0 * f64::from(n % 7 - 3) + f64::from(n % 401 - 200)).collect();
-    let trace = Trace { samples_m_per_s2: samples.into(), rate_hz: 1e5, repeat: true };
+    let trace = Trace { samples_m_per_s2: samples.into(), rate_hz: 1e5, repeat: true, resampled: None };
     sampled.excitation = Excitation::File(trace);
     for scene in [fast, sampled] {
         let exact = value(run_scene(&scene, &reference()).expect("runs").mean_power_w);
@@ -131,7 +131,8 @@ fn the_straight_lines_between_samples_are_counted() {
     let loss = 1.0 - (angle.sin() / angle).powi(4);
     let mut scene = bump_stop(&[("run", "{duration_s=1,settle_s=0.5}")]);
     let samples = (0..900).map(|n| (2.0 * angle * f64::from(n)).sin()).collect();
-    scene.excitation = Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: rate, repeat: true });
+    scene.excitation =
+        Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: rate, repeat: true, resampled: None });
     let found = stated(&scene, &Options::default());
     let tone = Tone { amplitude_m_per_s2: 1.0, frequency_hz: frequency, phase_rad: 0.0 };
     scene.excitation = Excitation::Sine(tone);

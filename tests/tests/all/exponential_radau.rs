@@ -72,8 +72,12 @@ const SCENES: [(&str, Change); 17] = [
     ("a rough trace", |scene, _| {
         let samples: Arc<[f64]> =
             (0..60).map(|index: i32| 8.0 * (f64::from((index * 7919) % 61) / 30.0 - 1.0)).collect();
-        scene.excitation =
-            Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: 400.0, repeat: true });
+        scene.excitation = Excitation::File(Trace {
+            samples_m_per_s2: samples,
+            rate_hz: 400.0,
+            repeat: true,
+            resampled: None,
+        });
         scene.run = RunSpan { duration_s: 1.5, settle_s: 0.3 };
     }),
     ("let go near the dielectric", |scene, model| {

@@ -22,14 +22,14 @@ fn sweep() -> Excitation {
             0.4 * GRAVITY * (std::f64::consts::TAU * (12.0 + 10.0 / 6.0 * time) * time).sin()
         })
         .collect();
-    Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: 500.0, repeat: false })
+    Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: 500.0, repeat: false, resampled: None })
 }
 
 /// A repeated trace without any symmetry.
 fn rough() -> Excitation {
     let samples: Arc<[f64]> =
         (0..60).map(|index: i32| 6.0 * (f64::from((index * 7919) % 61) / 30.0 - 1.0)).collect();
-    Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: 400.0, repeat: true })
+    Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: 400.0, repeat: true, resampled: None })
 }
 
 fn tone(amplitude_m_per_s2: f64, frequency_hz: f64, phase_rad: f64) -> Tone {

@@ -251,7 +251,16 @@ fn each_key_of_the_tables_is_read_and_checked() {
         refuse_each((&path, &sets), (&document, &KEYS), "", &mut seen);
     }
     // Those of a recording are in the tests of traces.
-    let of_file = ["path", "column", "time_column", "rate_hz", "scale_m_per_s2", "repeat"];
+    let of_file = [
+        "path",
+        "column",
+        "time_column",
+        "rate_hz",
+        "resample_hz",
+        "longest_gap_samples",
+        "scale_m_per_s2",
+        "repeat",
+    ];
     scene_file::key::walk(&KEYS, &mut |key| {
         let known = seen.iter().any(|name| name == key.name) || of_file.contains(&key.name);
         assert!(known, "{} is not in a file of this test", key.name);

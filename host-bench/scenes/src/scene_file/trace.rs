@@ -8,7 +8,7 @@ mod wave;
 use std::path::PathBuf;
 
 use super::document::SceneError;
-use super::key::{Default, Kind, Value, between, number, other};
+use super::key::{Default, Kind, Value, between, number, other, whole};
 use super::scene::Trace;
 use super::section::Section;
 
@@ -33,7 +33,15 @@ pub(super) static FILE: Kind = Kind {
         )
         .or(Default::Said("the first whose heading names a time")),
         number("rate_hz", "Hz", between(1e-3, 1e6), "Samples per second")
-            .or(Default::Said("that of the times or of the WAV file, else required")),
+            .or(Default::Said("that of the times or of the WAV file, else required"))
+            .instead_of("resample_hz"),
+        number("resample_hz", "Hz", between(1e-3, 1e6), "Even rate to which uneven times are resampled")
+            .limit("at least 0.9 of the usual rate; CSV only")
+            .or_said("uneven times are refused")
+            .instead_of("rate_hz"),
+        whole("longest_gap_samples", "", between(0.0, 1e6), "Missing samples in a row to fill")
+            .limit("beside `resample_hz`")
+            .or_number(2.0),
         number("scale_m_per_s2", "m/s²", between(-1e6, 1e6), "Acceleration for each unit of the file")
             .or(Default::Said("the unit in the heading of the column, else required")),
         other("repeat", Value::Flag, "Whether the recording begins again at its end")
@@ -56,6 +64,8 @@ struct Asked {
     column: Option<Column>,
     clock: AskedClock,
     rate_hz: Option<f64>,
+    /// The rate in Hz of even times, and the most samples in a row that may be missing.
+    resampling: Option<(f64, usize)>,
     /// Factor from a number of the file to m/s², where the scene file has one.
     scale: Option<f64>,
 }
@@ -128,8 +138,10 @@ impl Column {
     }
 }
 
-/// The key of the acceleration for each unit of the file.
+/// The keys of the acceleration for each unit of the file, and of a resampling.
 const SCALE: &str = "scale_m_per_s2";
+const RESAMPLED: &str = "resample_hz";
+const GAP: &str = "longest_gap_samples";
 
 /// A number of the file, read at `place`, times `scale`, in m/s².
 fn scaled(value: f64, scale: f64, place: impl FnOnce() -> String) -> Result<f64, TraceFault> {
@@ -158,6 +170,9 @@ pub(super) fn path(section: &mut Section<'_>) -> Option<PathBuf> {
     Some(section.file().parent().map_or_else(|| path.into(), |folder| folder.join(path)))
 }
 
+/// Samples in m/s², their rate in Hz, and how many were moved to even times and how many fill gaps.
+type Samples = (Vec<f64>, f64, Option<[usize; 2]>);
+
 /// Reads the keys of an excitation from a file, and the file.
 pub(super) fn trace(section: &mut Section<'_>) -> Result<Trace, SceneError> {
     let scale = section.optional_number(SCALE)?;
@@ -168,17 +183,25 @@ pub(super) fn trace(section: &mut Section<'_>) -> Result<Trace, SceneError> {
     };
     let rate_hz = section.optional_number("rate_hz")?;
     let bound = section.bound("rate_hz");
+    let longest_gap = section.whole_number(GAP)?;
+    let resampling = section.optional_number(RESAMPLED)?.map(|rate_hz| (rate_hz, longest_gap));
+    match resampling {
+        Some(_) if rate_hz.is_some() => return Err(section.refuse(RESAMPLED, "must not be beside rate_hz")),
+        None if section.has(GAP) => return Err(section.refuse(GAP, "must be beside resample_hz")),
+        _ => {}
+    }
     let is_wave = full.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("wav"));
-    let (samples, rate_hz) = if is_wave {
-        if section.has("time_column") {
-            return Err(section.refuse("time_column", "unknown key for a WAV file, which has no times"));
+    let (samples, rate_hz, resampled) = if is_wave {
+        if let Some(key) = ["time_column", RESAMPLED].into_iter().find(|key| section.has(key)) {
+            return Err(section.refuse(key, "unknown key for a WAV file, which has no times"));
         }
         scale
             .ok_or_else(|| TraceFault::missing(SCALE, section.bound(SCALE).to_string()))
             .and_then(|scale| wave::samples(&full, column.as_ref(), scale, rate_hz, bound))
+            .map(|(samples, rate_hz)| (samples, rate_hz, None))
     } else {
         let clock = AskedClock::read(section)?;
-        table::samples(&full, &Asked { column, clock, rate_hz, scale }, bound)
+        table::samples(&full, &Asked { column, clock, rate_hz, resampling, scale }, bound)
     }
     .map_err(|fault| {
         let TraceFault { key, text, is_missing } = fault;
@@ -188,5 +211,5 @@ pub(super) fn trace(section: &mut Section<'_>) -> Result<Trace, SceneError> {
             section.refuse(key, format!("{}: {text}", full.display()))
         }
     })?;
-    Ok(Trace { samples_m_per_s2: samples.into(), rate_hz, repeat })
+    Ok(Trace { samples_m_per_s2: samples.into(), rate_hz, repeat, resampled })
 }

@@ -161,8 +161,12 @@ fn the_base_may_be_written_in_several_ways() {
     scene.excitation = Excitation::Sine(constant);
     let steady = ends(&scene);
     for repeat in [false, true] {
-        scene.excitation =
-            Excitation::File(Trace { samples_m_per_s2: vec![-10.0; 8].into(), rate_hz: 1e3, repeat });
+        scene.excitation = Excitation::File(Trace {
+            samples_m_per_s2: vec![-10.0; 8].into(),
+            rate_hz: 1e3,
+            repeat,
+            resampled: None,
+        });
         same(ends(&scene), steady, 1e-10);
     }
 }
@@ -176,7 +180,8 @@ fn samples_are_joined_by_lines() {
     let rate_hz = 8000.0;
     let angle = std::f64::consts::TAU * FREQUENCY / rate_hz;
     let samples: Vec<f64> = (0..=80).map(|k| AMPLITUDE * (angle * f64::from(k)).sin()).collect();
-    scene.excitation = Excitation::File(Trace { samples_m_per_s2: samples.into(), rate_hz, repeat: false });
+    scene.excitation =
+        Excitation::File(Trace { samples_m_per_s2: samples.into(), rate_hz, repeat: false, resampled: None });
     let (sampled, _) = run(&model, &scene, Some(9e-3));
     let ratio = row(&sampled, 9e-3)[1] / row(&smooth, 9e-3)[1];
     // The lines' fundamental is (sinc(ωh/2))² of the sine's.

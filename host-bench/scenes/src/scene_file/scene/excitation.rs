@@ -101,6 +101,8 @@ pub struct Trace {
     pub rate_hz: f64,
     /// Whether it starts again one sample interval after its last sample; if not, it is at least as long as the run.
     pub repeat: bool,
+    /// Where it is resampled to even times: how many samples lie between those of the recording, and in its gaps.
+    pub resampled: Option<[usize; 2]>,
 }
 
 /// Whole half cycles of a sine, once or again and again; the base is at rest otherwise.

@@ -1,10 +1,18 @@
 //! The times of the samples: which column has them, and the rate that follows.
 
-use super::TraceFault;
+use super::{GAP, RESAMPLED, Samples, TraceFault};
 use crate::scene_file::key::{Bound, Short};
 
 /// Part of the interval of two samples by which a time may be off: the rounding of a printed time, and no more.
 const UNEVEN: f64 = 0.25;
+
+/// Missing samples in a row that the cubic bridges; a straight line fills more.
+const BRIDGED: f64 = 2.0;
+/// Least interval of two samples in usual ones: a cubic magnifies their noise by about its reciprocal. And least even rate in
+/// usual ones: what is below its half does not fold, so there is no low-pass.
+const LEAST: [f64; 2] = [0.1, 0.9];
+/// Most samples at even times.
+const MOST_SAMPLES: f64 = 1e7;
 
 /// Names of a column of times.
 const TIME_WORDS: [&str; 7] = ["t", "time", "timestamp", "zeit", "temps", "tempo", "tiempo"];
@@ -93,6 +101,65 @@ impl Times {
         }
     }
 
+    /// The samples at even times from the first one on, by the cubic through four, and by a straight line across a gap.
+    pub(super) fn resampled(
+        &self,
+        samples: &[f64],
+        (rate_hz, longest_gap): (f64, usize),
+        key: &'static str,
+    ) -> Result<Samples, TraceFault> {
+        let times = &self.seconds;
+        let missing = self.missing(rate_hz, longest_gap, key)?;
+        let is_near = |at: usize| missing.get(at).is_some_and(|missing| *missing <= BRIDGED);
+        let count = ((times[times.len() - 1] - times[0]) * rate_hz + UNEVEN).floor() + 1.0;
+        if !(2.0..=MOST_SAMPLES).contains(&count) {
+            let text = format!("makes {count} samples, must make 2 to {MOST_SAMPLES:e}");
+            return Err(TraceFault::new(RESAMPLED, text));
+        }
+        let (mut left, mut counts) = (0, [0, 0]);
+        let even = (0..count as usize).map(|index| {
+            let time = self.due(index, rate_hz);
+            while left + 2 < times.len() && times[left + 1] <= time {
+                left += 1;
+            }
+            let distance = (time - times[left]).abs().min((times[left + 1] - time).abs());
+            // Nearer to a sample that is missing than to one that is there.
+            let usual = (times[left + 1] - times[left]) / (missing[left] + 1.0);
+            let is_filled = missing[left] > 0.0 && 2.0 * distance > usual;
+            // A hundredth of an interval is the rounding of a printed time.
+            counts[usize::from(is_filled)] += usize::from(distance * rate_hz > 0.01);
+            let from = left - usize::from(left > 0 && is_near(left) && is_near(left - 1));
+            let to = left + 1 + usize::from(is_near(left) && is_near(left + 1));
+            lagrange(&times[from..=to], &samples[from..=to], time)
+        });
+        Ok((even.collect(), rate_hz, Some(counts)))
+    }
+
+    /// How many samples are missing after each, by the usual interval; refuses what cannot be resampled so.
+    fn missing(&self, rate_hz: f64, longest: usize, key: &'static str) -> Result<Vec<f64>, TraceFault> {
+        let refuse = |key: &'static str, text: String| Err(TraceFault::new(key, text));
+        let steps: Vec<f64> = self.seconds.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let mut sorted = steps.clone();
+        sorted.sort_by(f64::total_cmp);
+        let (usual, [closest, slowest]) = (sorted[sorted.len() / 2], LEAST);
+        let missing: Vec<f64> = steps.iter().map(|step| ((step / usual).round() - 1.0).max(0.0)).collect();
+        for ((step, missing), line) in steps.iter().zip(&missing).zip(&self.lines[1..]) {
+            let after = format!("line {line}: the time is {step:.6} s after the one before");
+            if !(*step > 0.0 && *step >= closest * usual) {
+                return refuse(key, format!("{after}, must be at least {closest} of the usual {usual:.6} s"));
+            }
+            if *missing > longest as f64 {
+                let text = format!("{after}: {missing} samples are missing, must be at most {longest}");
+                return refuse(GAP, text);
+            }
+        }
+        if rate_hz * usual < slowest {
+            let least = slowest / usual;
+            return refuse(RESAMPLED, format!("must be at least {least:.6}, {slowest} of the usual rate"));
+        }
+        Ok(missing)
+    }
+
     /// The time in s at which a sample is due.
     fn due(&self, index: usize, rate: f64) -> f64 {
         self.seconds.first().copied().unwrap_or(0.0) + index as f64 / rate
@@ -126,6 +193,15 @@ impl Times {
              be even to {UNEVEN} intervals"
         )
     }
+}
+
+/// The polynomial through some samples, at a time.
+fn lagrange(times: &[f64], samples: &[f64], time: f64) -> f64 {
+    let weight = |at: usize| -> f64 {
+        let others = (0..times.len()).filter(|other| *other != at);
+        others.map(|other| (time - times[other]) / (times[at] - times[other])).product()
+    };
+    samples.iter().enumerate().map(|(at, sample)| sample * weight(at)).sum()
 }
 
 #[cfg(test)]
@@ -163,5 +239,57 @@ mod tests {
         for (heading, is_stated) in [("time (d)", false), ("t_fortnights", false), ("elapsed [d]", true)] {
             assert!(unit_of(heading, is_stated).is_some_and(f64::is_nan), "{heading:?}");
         }
+    }
+
+    /// The cubic through samples at most `h` apart errs between the two in the middle by at most `3/128 h⁴` of the fourth derivative;
+    /// the parabola through three, where there is no fourth, by `√3/27 h³` of the third, a straight line by `1/8 h²` of the second.
+    #[test]
+    fn jitter_and_gaps_are_resampled_within_the_error_of_the_cubic() {
+        const RATE: f64 = 400.0;
+        let turns = [10.0, 23.0].map(|frequency| std::f64::consts::TAU * frequency);
+        let exact = |time: f64| (turns[0] * time).sin() + 0.3 * (turns[1] * time + 0.7).sin();
+        let [second, third, fourth] =
+            [2, 3, 4].map(|degree| turns[0].powi(degree) + 0.3 * turns[1].powi(degree));
+        let is_there = |at: &u32| ![50, 90, 91].contains(at) && !(200..208).contains(at);
+        let rows: Vec<u32> = (0..=400).filter(is_there).collect();
+        let time = |at: &u32| (f64::from(*at) + 0.24 * (0.7 * f64::from(at * at)).sin()) / RATE;
+        let times = Times {
+            seconds: rows.iter().map(time).collect(),
+            lines: rows.iter().map(|&at| u64::from(at) + 1).collect(),
+        };
+        let samples: Vec<f64> = times.seconds.iter().map(|&time| exact(time)).collect();
+        let of = |rate_hz: f64, longest_gap| times.resampled(&samples, (rate_hz, longest_gap), "path");
+        for rate_hz in [RATE, 1000.0] {
+            let mut worst = [0.0_f64; 3];
+            for (index, found) in of(rate_hz, 8).expect("a trace").0.iter().enumerate() {
+                let time = times.due(index, rate_hz);
+                let right = times.seconds.partition_point(|at| *at <= time).clamp(1, samples.len() - 1);
+                let near = &times.seconds[right.saturating_sub(2)..(right + 2).min(samples.len())];
+                let longest = near.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+                let (kind, bound) = if times.seconds[right] - times.seconds[right - 1] > 3.5 / RATE {
+                    (0, longest.powi(2) / 8.0 * second)
+                } else if near.len() < 4 || longest > 6.0 / RATE {
+                    (1, (1.6 / RATE).powi(3) * 3.0_f64.sqrt() / 27.0 * third)
+                } else {
+                    (2, longest.powi(4) * 3.0 / 128.0 * fourth)
+                };
+                worst[kind] = worst[kind].max((found - exact(time)).abs() / bound);
+            }
+            assert!(worst.iter().all(|part| (0.05..=1.0).contains(part)), "{rate_hz} Hz: {worst:?}");
+        }
+        // Nearly all samples are off the even times; eleven are missing.
+        let counts = of(RATE, 8).expect("a trace").2.expect("counts");
+        assert!(counts[0] > 370 && (10..=12).contains(&counts[1]), "{counts:?}");
+        for (rate_hz, longest_gap, key, part) in [
+            (RATE, 7, GAP, "s after the one before: 8 samples are missing, must be at most 7"),
+            (300.0, 8, RESAMPLED, "must be at least 3"),
+            (1e8, 8, RESAMPLED, "must make 2 to 1e7"),
+        ] {
+            let fault = of(rate_hz, longest_gap).expect_err("a fault");
+            assert!(fault.key == key && fault.text.contains(part), "{fault:?}");
+        }
+        let close = Times { seconds: vec![0.0, 1.0, 2.0, 2.05, 3.0], lines: (1..=5).collect() };
+        let fault = close.resampled(&[0.0; 5], (2.0, 2), "path");
+        assert!(fault.is_err_and(|fault| fault.text.contains("line 4: the time is 0.05")));
     }
 }

@@ -9,12 +9,12 @@ use csv::{Position, ReaderBuilder, StringRecord, Trim};
 use self::layout::{Clock, Layout};
 use super::clock::Times;
 use super::number::{Delimiter, Numbers};
-use super::{Asked, TraceFault, enough, scaled};
+use super::{Asked, Samples, TraceFault, enough, scaled};
 use crate::input::{self, MOST_OF_DATA};
 use crate::scene_file::key::Bound;
 
 /// The samples in m/s² and their rate in Hz, within `bound`: that of the times where the file has them.
-pub(super) fn samples(path: &Path, asked: &Asked, bound: Bound) -> Result<(Vec<f64>, f64), TraceFault> {
+pub(super) fn samples(path: &Path, asked: &Asked, bound: Bound) -> Result<Samples, TraceFault> {
     let text = input::text(path, MOST_OF_DATA).map_err(|error| TraceFault::new("path", error.to_string()))?;
     // The mark that begins some files.
     let text = text.trim_start_matches('\u{feff}');
@@ -45,12 +45,9 @@ pub(super) fn samples(path: &Path, asked: &Asked, bound: Bound) -> Result<(Vec<f
         rows.push(layout, &record, line)?;
     }
     enough(&rows.samples, &format!("line {}", reader.position().line()))?;
-    let rate_hz = match layout {
-        Some(layout) => rate(&layout, rows.times, asked, bound)?,
-        // A file without a row has too few samples.
-        None => f64::NAN,
-    };
-    Ok((rows.samples, rate_hz))
+    // A file without a row has too few samples.
+    let Some(layout) = layout else { return Ok((rows.samples, f64::NAN, None)) };
+    timed(&layout, rows, asked, bound)
 }
 
 /// The rows that were read.
@@ -99,21 +96,26 @@ fn cell<'r>(
     record.get(column).ok_or_else(absent)
 }
 
-/// The rate in Hz, from the times or as stated.
-fn rate(layout: &Layout, times: Option<Times>, asked: &Asked, bound: Bound) -> Result<f64, TraceFault> {
+/// The samples at the rate of the times, at that which is stated, or at even times.
+fn timed(layout: &Layout, rows: Rows, asked: &Asked, bound: Bound) -> Result<Samples, TraceFault> {
+    let Rows { samples, times, .. } = rows;
     let wanted = || TraceFault::missing("rate_hz", format!("{bound}, or the file have a column of times"));
     let (Some(clock), Some(times)) = (layout.clock, times) else {
         layout.check_sample(asked, false)?;
-        return asked.rate_hz.ok_or_else(wanted);
+        return Ok((samples, asked.rate_hz.ok_or_else(wanted)?, None));
     };
     // The first column of a table without headings has times if it rises. A count of the rows has no rate.
     let is_time = clock.is_named || times.rise();
     layout.check_sample(asked, is_time)?;
     if !clock.is_named && (!is_time || times.count()) {
-        return asked.rate_hz.ok_or_else(wanted);
+        return Ok((samples, asked.rate_hz.ok_or_else(wanted)?, None));
     }
-    let rate_hz = times.rate(asked.rate_hz, bound, blamed(clock, asked));
-    rate_hz.map_err(|fault| clock.with_way_out(fault))
+    let key = blamed(clock, asked);
+    let found = match asked.resampling {
+        Some(resampling) => times.resampled(&samples, resampling, key),
+        None => times.rate(asked.rate_hz, bound, key).map(|rate_hz| (samples, rate_hz, None)),
+    };
+    found.map_err(|fault| clock.with_way_out(fault))
 }
 
 /// The key to blame for times that do not agree with it or with one another.
