@@ -1,8 +1,7 @@
 //! The steady motions of a scene under a periodic excitation, by runs from other starts.
 //!
-//! Impacts and dry friction allow several motions under one excitation; the start decides which of them a run comes to.
-//! Two runs are of one motion if their mean powers agree within a hundredth and within the sampling error of motions that
-//! are not periodic.
+//! Impacts and dry friction allow several motions under one excitation; the start decides which of them a run comes to. Two runs are of
+//! one motion if their mean powers agree within a hundredth and within the sampling error of motions that are not periodic.
 
 use std::f64::consts::TAU;
 

@@ -34,9 +34,8 @@ const DAY_S: u32 = 86_400;
 /// The scene whose storage is simulated with its harvester on the last day, if any, and how.
 type InLoop<'a> = Option<(&'a Scene, &'a Options)>;
 
-/// Simulates the node for some days with the same income each, and gives the last. The days before it train the
-/// income forecast. With a scene `in_loop`, its harvester and the storage are one trajectory on the last day, and
-/// `income` holds for the days before.
+/// Simulates the node for some days with the same income each, and gives the last. The days before it train the income forecast. With a
+/// scene `in_loop`, its harvester and the storage are one trajectory on the last day, and `income` holds for the days before.
 pub(crate) fn simulate(
     node: &Node,
     income: &Income,

@@ -1,5 +1,4 @@
-//! Scenes for other programs: as netlists of SPICE, a subcircuit with the terminals of the harvester and a deck that runs it;
-//! as FMUs.
+//! Scenes for other programs: as netlists of SPICE, a subcircuit with the terminals of the harvester and a deck that runs it; as FMUs.
 
 mod cantilever;
 mod contact_separation;

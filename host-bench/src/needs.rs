@@ -1,9 +1,8 @@
 //! Which parts a scene needs for a stated accuracy.
 //!
-//! Each part in turn is left out of the scene, and the run is compared with that of the full scene, both in double
-//! precision and within a fraction of the accuracy. As many of the parts that are not needed are left out together as the
-//! accuracy allows. For the cut scene that remains, the cheapest method, precision and step are sought that hold the
-//! accuracy against the same full run.
+//! Each part in turn is left out of the scene, and the run is compared with that of the full scene, both in double precision and within
+//! a fraction of the accuracy. As many of the parts that are not needed are left out together as the accuracy allows. For the cut scene
+//! that remains, the cheapest method, precision and step are sought that hold the accuracy against the same full run.
 
 mod change;
 mod emit;

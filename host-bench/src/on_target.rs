@@ -1,8 +1,7 @@
 //! Builds the firmware for each core, runs it under QEMU and reads its log.
 //!
-//! The counts are *instructions*: on the virtual clock of QEMU every instruction takes a nanosecond, so that the
-//! counts are the same on every machine. Instructions are not cycles: on a Cortex-M4F a division takes 14 cycles,
-//! a load up to 2 and a taken branch 2 to 4.
+//! The counts are *instructions*: on the virtual clock of QEMU every instruction takes a nanosecond, so that the counts are the same on
+//! every machine. Instructions are not cycles: on a Cortex-M4F a division takes 14 cycles, a load up to 2 and a taken branch 2 to 4.
 
 pub mod build;
 pub mod day;

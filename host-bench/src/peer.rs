@@ -15,10 +15,9 @@ use system::{BaseAcceleration, State, System};
 
 // The bump-stop harvester by general methods: TR-BDF2, the classical Runge-Kutta method and Newmark's.
 //
-// They integrate the modal equations with the contact as a spring, `F = k max(0, g)`, whose compliance is that of the
-// modes left out. Steps do not end at the instants of contact. Each method is written for this system: the cost of a
-// step is proportional to the number of modes, and an implicit stage is solved in closed form. So the run times are those
-// of the methods.
+// They integrate the modal equations with the contact as a spring, `F = k max(0, g)`, whose compliance is that of the modes left out.
+// Steps do not end at the instants of contact. Each method is written for this system: the cost of a step is proportional to the number
+// of modes, and an implicit stage is solved in closed form. So the run times are those of the methods.
 
 /// Step of the implicit methods in s where none is given: as the core's method near contact.
 const DEFAULT_STEP_S: f64 = 1e-6;

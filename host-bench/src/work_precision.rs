@@ -1,5 +1,4 @@
-//! Error against run time: every method, step or tolerance, precision and math backend on one scene, against the
-//! independent reference.
+//! Error against run time: every method, step or tolerance, precision and math backend on one scene, against the independent reference.
 //!
 //! A kind of scene supplies the rows to run, the errors that count and the columns of its table ([`Kind`]); running,
 //! timing and printing are the same for all.

@@ -113,9 +113,8 @@ fn refuse_bump_stop(scene: &Scene, purpose: &str) -> Failure {
     )
 }
 
-/// The frequencies of a range in Hz at which the steady state of a scene responds most, by following
-/// its orbit upwards over `points` frequencies and then to the peaks; and the simulated periods it
-/// took. `None` if the steady state is a stable orbit at no frequency.
+/// The frequencies of a range in Hz at which the steady state of a scene responds most, by following its orbit upwards over `points`
+/// frequencies and then to the peaks; and the simulated periods it took. `None` if the steady state is a stable orbit at no frequency.
 ///
 /// Where two orbits are stable the one is followed on which the path came. Where it ends, or loses its
 /// stability, the steady state from the scene's start takes its place.

@@ -1,8 +1,7 @@
 //! The periodic steady state of a harvester under one sine, by shooting.
 //!
-//! The state at one phase of the excitation determines the state a period later: the *period map* `P` of the hybrid
-//! system, impacts, sticking, contact and the switching of a bridge included, is computed by the embedded core. A motion of
-//! one period is a fixed point
+//! The state at one phase of the excitation determines the state a period later: the *period map* `P` of the hybrid system, impacts,
+//! sticking, contact and the switching of a bridge included, is computed by the embedded core. A motion of one period is a fixed point
 //!
 //! ```text
 //! P(x) = x

@@ -3,8 +3,7 @@
 //! The scene is the file `scene.toml` in the resources of the FMU, so that one library serves all scenes. A state of the FMU is a
 //! snapshot of the core. A function that an FMU for co-simulation needs not support returns `fmi3Error`.
 //!
-//! As FMI demands, a pointer of the importer is null or valid for the call, and an instance is called by one thread at a
-//! time.
+//! As FMI demands, a pointer of the importer is null or valid for the call, and an instance is called by one thread at a time.
 #![allow(non_snake_case, reason = "the names of FMI")]
 #![allow(improper_ctypes_definitions, reason = "an importer does not look into an instance or a state")]
 

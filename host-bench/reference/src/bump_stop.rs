@@ -1,10 +1,9 @@
 //! The reference for the bump-stop harvester: exact propagation from event to event.
 //!
-//! In each regime, one state of contact and circuit, the harvester and the generator of the base acceleration
-//! are one linear system, so the motion over a grid step is a matrix without error of integration. A grid step
-//! is a tenth of the shortest period. Each step is searched for crossings of the guards, hidden pairs of
-//! crossings included, and an event is located to 2⁻⁴⁰ of a step. The integrals are exact too, as quadratic
-//! forms.
+//! In each regime, one state of contact and circuit, the harvester and the generator of the base acceleration are one linear system, so
+//! the motion over a grid step is a matrix without error of integration. A grid step is a tenth of the shortest period. Each step is
+//! searched for crossings of the guards, hidden pairs of crossings included, and an event is located to 2⁻⁴⁰ of a step. The integrals
+//! are exact too, as quadratic forms.
 
 mod meter;
 mod propagator;

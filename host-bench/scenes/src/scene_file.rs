@@ -1,8 +1,7 @@
 //! Scene files: TOML with SI values in named fields, read into plain checked numbers.
 //!
-//! Every key must be known, every number within its bounds; what is wrong is reported in one line with
-//! file, line, key, value and bound. Overrides (`--set a.b=c`) are put into the document before it is
-//! read, so they meet the same checks.
+//! Every key must be known, every number within its bounds; what is wrong is reported in one line with file, line, key, value and
+//! bound. Overrides (`--set a.b=c`) are put into the document before it is read, so they meet the same checks.
 
 mod bump_stop;
 mod contact_separation;

@@ -18,9 +18,8 @@ use crate::name::Name;
 use crate::outcome::{self, Fields, text};
 use crate::scene_file;
 
-/// What a map should keep: the 90th percentile of the relative error at most, and at least the share of the places at which
-/// the bounds hold, and that of the places far from a boundary at which its motions are those of the model. That of the median
-/// is `--error`.
+/// What a map should keep: the 90th percentile of the relative error at most, and at least the share of the places at which the bounds
+/// hold, and that of the places far from a boundary at which its motions are those of the model. That of the median is `--error`.
 const TARGETS: [f64; 3] = [0.08, 0.95, 0.99];
 /// Keys that a map does not use.
 const UNUSED: [Unused; 3] = [

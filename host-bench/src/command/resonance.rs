@@ -151,9 +151,8 @@ fn described(scene: &Scene, found: &Resonance, periods: f64) -> Fields {
 
 // The resonances of a scene with short-circuited and open terminals, and what a resistor takes at both.
 //
-// The voltage of a piezoelectric beam stiffens it: its resonance rises from the short circuit to the open one, and the
-// power into the best resistor has a peak at both. The field of a triboelectric harvester pulls: its frequencies depend on
-// the amplitude.
+// The voltage of a piezoelectric beam stiffens it: its resonance rises from the short circuit to the open one, and the power into the
+// best resistor has a peak at both. The field of a triboelectric harvester pulls: its frequencies depend on the amplitude.
 
 /// One of the two ends of the load.
 struct End {

@@ -119,8 +119,7 @@ impl Free {
 
 /// The free number of a key of a scene.
 ///
-/// Bounds that are not given are where the scene file's reader begins to refuse, at most a factor of a thousand from the
-/// start.
+/// Bounds that are not given are where the scene file's reader begins to refuse, at most a factor of a thousand from the start.
 ///
 /// # Errors
 /// If the key does not exist or is not a number.

@@ -38,8 +38,7 @@ pub enum Error {
     },
 }
 
-/// Reads a firmware file and checks the two addresses that identify the board: two of them have
-/// their flash at the same place.
+/// Reads a firmware file and checks the two addresses that identify the board: two of them have their flash at the same place.
 ///
 /// # Errors
 ///

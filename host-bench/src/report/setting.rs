@@ -1,5 +1,4 @@
-//! The parameters of a scene in a few words, for the title of a picture; keys as titles of axes; numbers with a prefix of
-//! their unit.
+//! The parameters of a scene in a few words, for the title of a picture; keys as titles of axes; numbers with a prefix of their unit.
 
 use crate::scene_file::{Excitation, Load, Scene, rows_of};
 

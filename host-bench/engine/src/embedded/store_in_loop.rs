@@ -1,5 +1,4 @@
-//! A triboelectric harvester behind a bridge and its store, every step of the day, with a draw that changes from
-//! time to time.
+//! A triboelectric harvester behind a bridge and its store, every step of the day, with a draw that changes from time to time.
 //!
 //! The draw is part of the scene's parameters and not of its state: a new one makes a new scene, which goes on
 //! from the same state. The first stage of its first step is still that of the draw before, as the last stage of a

@@ -1,5 +1,4 @@
-//! The frequencies at which a steady state has its largest amplitude, voltage and power, and the resistance that takes the
-//! most power.
+//! The frequencies at which a steady state has its largest amplitude, voltage and power, and the resistance that takes the most power.
 
 use serde::Serialize;
 

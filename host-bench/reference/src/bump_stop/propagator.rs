@@ -1,10 +1,9 @@
 //! Exact propagation of `y' = A y` over a grid step and its binary fractions, and exact integrals of
 //! quadratic forms of `y` along the way.
 //!
-//! The exponential is stored as `E = exp(A h) − 1`, so that slow modes keep their digits beside fast ones in a
-//! stiff circuit. `E` of a very short step is a few terms of the series, and `E ← 2E + E²` doubles the step.
-//! The integral of `yᵀ M y` over a step is `y₀ᵀ G y₀` with the Gramian `G`, doubled as
-//! `G ← G + (1+E)ᵀ G (1+E)`.
+//! The exponential is stored as `E = exp(A h) − 1`, so that slow modes keep their digits beside fast ones in a stiff circuit. `E` of a
+//! very short step is a few terms of the series, and `E ← 2E + E²` doubles the step. The integral of `yᵀ M y` over a step is `y₀ᵀ G y₀`
+//! with the Gramian `G`, doubled as `G ← G + (1+E)ᵀ G (1+E)`.
 
 use nalgebra::DMatrix;
 

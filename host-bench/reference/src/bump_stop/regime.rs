@@ -116,8 +116,7 @@ impl Regime {
         }
     }
 
-    /// The first tick within `ticks` at which a guard is above zero after a rise, given the vectors at both
-    /// ends.
+    /// The first tick within `ticks` at which a guard is above zero after a rise, given the vectors at both ends.
     ///
     /// A grid step is a tenth of the shortest period, so the guard turns at most once in it.
     pub(super) fn first_rise(&self, guard: &Guard, start: &[f64], end: &[f64], ticks: u64) -> Option<u64> {

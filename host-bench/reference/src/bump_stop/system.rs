@@ -9,10 +9,9 @@
 //! C v' = Σ θ_i r_i' − v / R
 //! ```
 //!
-//! The coordinates are scaled so that half their square is energy: `ω r`, `r'`, `Ω q`, `q'`, `√C v`, and
-//! `√C_s V_s` of a storage. The vector holds after them a constant 1, the generators of the base acceleration
-//! (a polynomial, sine and cosine of each tone), and the generator of a constant power. The contact force
-//! and every current are rows times this vector, so its propagation is exact.
+//! The coordinates are scaled so that half their square is energy: `ω r`, `r'`, `Ω q`, `q'`, `√C v`, and `√C_s V_s` of a storage. The
+//! vector holds after them a constant 1, the generators of the base acceleration (a polynomial, sine and cosine of each tone), and the
+//! generator of a constant power. The contact force and every current are rows times this vector, so its propagation is exact.
 
 use nalgebra::DMatrix;
 

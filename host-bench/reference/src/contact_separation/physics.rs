@@ -1,8 +1,7 @@
 //! Charges, forces and energies of the contact-separation harvester.
 //!
-//! Fu, Ouyang and Davis, J. Phys. D 53 (2020), equations (19) to (28), written in the gap `g`, its rate `v`
-//! (opening positive) and the load voltage `V` instead of the transferred charge `q`. With `c = ε0 S` and
-//! `d_e = d / ε_r`, equations (12), (24) and (25) give
+//! Fu, Ouyang and Davis, J. Phys. D 53 (2020), equations (19) to (28), written in the gap `g`, its rate `v` (opening positive) and the
+//! load voltage `V` instead of the transferred charge `q`. With `c = ε0 S` and `d_e = d / ε_r`, equations (12), (24) and (25) give
 //!
 //! ```text
 //! q = (σS g − c V) / (g + d_e)          σS − q = (σS d_e + c V) / (g + d_e)
@@ -14,9 +13,8 @@
 //! V' = [ (σS − q) v − (g + d_e) V / R ] / [ c + C_p (g + d_e) ]
 //! ```
 //!
-//! These forms do not cancel at small `R`, where `V = V_oc − q/C` is a difference of large numbers. At its
-//! terminals the harvester is a capacitance `C = c / (g + d_e) + C_p` and a current
-//! `j = (σS − q) v / (g + d_e)`.
+//! These forms do not cancel at small `R`, where `V = V_oc − q/C` is a difference of large numbers. At its terminals the harvester is a
+//! capacitance `C = c / (g + d_e) + C_p` and a current `j = (σS − q) v / (g + d_e)`.
 
 use crate::triboelectric::{CircuitKind, Harvester, LoadCircuit, Motion, VACUUM_PERMITTIVITY};
 use harvester_scene::scene_file::{

@@ -278,10 +278,9 @@ impl Physics {
 
 // Overlap of two equal discs: how much of the active patch the slider covers.
 //
-// Equations (6) and (7) of Fu, Ouyang and Davis: with `c = |x| / 2r` the covered part of the area is
-// `s1 = (2/π)(arccos c − c √(1−c²))`, the area of the lens over that of a disc, and the rest is
-// `s2 = 1 − s1`. Both have a kink at `x = 0`. So they are taken on one *side* of it, in `y = ± x`, and go
-// on smoothly where `y` is slightly negative: a motion is cut where it passes the middle.
+// Equations (6) and (7) of Fu, Ouyang and Davis: with `c = |x| / 2r` the covered part of the area is `s1 = (2/π)(arccos c − c
+// √(1−c²))`, the area of the lens over that of a disc, and the rest is `s2 = 1 − s1`. Both have a kink at `x = 0`. So they are taken on
+// one *side* of it, in `y = ± x`, and go on smoothly where `y` is slightly negative: a motion is cut where it passes the middle.
 
 /// Parts of the area and their change with the displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,10 +10,9 @@
 //!              I = (j + s (C/C_s) i_out) / (1 + C/C_s)           while s I > 0
 //! ```
 //!
-//! The voltages are continuous with one exception: where `|V|` is above the threshold, because the terminals
-//! were open before, the bridge shares the charge at once. A bus is a storage with `1/C_s = 0`. The state of
-//! the storage is the voltage gained since the start, so that a large storage does not lose the charge of one
-//! cycle in rounding.
+//! The voltages are continuous with one exception: where `|V|` is above the threshold, because the terminals were open before, the
+//! bridge shares the charge at once. A bus is a storage with `1/C_s = 0`. The state of the storage is the voltage gained since the
+//! start, so that a large storage does not lose the charge of one cycle in rounding.
 
 use diffsol::error::DiffsolError;
 

@@ -143,10 +143,9 @@ impl<'a, H: Harvester> Meter<'a, H> {
 
     /// The sums of a run that ends in this motion.
     ///
-    /// Mechanical ledger: energy of mass and spring against the work of the base, the damper, the surfaces and
-    /// the impacts. Electrical ledger: `dW/dt = −F_field v − V²/R`, true for any motion; behind a bridge, less
-    /// what enters diodes and storage. Where the laws conserve energy the two close together. Otherwise each
-    /// closes by itself, and the larger remainder counts.
+    /// Mechanical ledger: energy of mass and spring against the work of the base, the damper, the surfaces and the impacts. Electrical
+    /// ledger: `dW/dt = −F_field v − V²/R`, true for any motion; behind a bridge, less what enters diodes and storage. Where the laws
+    /// conserve energy the two close together. Otherwise each closes by itself, and the larger remainder counts.
     pub(crate) fn close(mut self, scene: &Scene, end: &Motion, events: u64, effort: Effort) -> Totals {
         let length = scene.run.window_s();
         self.counts.stick_fraction = self.stick_time / length;

@@ -1,8 +1,7 @@
 //! Stick: everything is in closed form, and only the release is searched for.
 //!
-//! A frozen charge stays as it is, and the load is open: its voltage counts as 0. The voltage of a relaxing
-//! charge falls as `exp(−t/τ)` with `τ = R C(x)`, or as a bridge and its storage have it. The surface forces
-//! fall with it.
+//! A frozen charge stays as it is, and the load is open: its voltage counts as 0. The voltage of a relaxing charge falls as `exp(−t/τ)`
+//! with `τ = R C(x)`, or as a bridge and its storage have it. The surface forces fall with it.
 
 use std::convert::Infallible;
 

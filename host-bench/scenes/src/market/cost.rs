@@ -1,7 +1,6 @@
 //! The energy that a node spends to know its income.
 //!
-//! A burst switches an accelerometer on, takes samples into its FIFO, transfers and processes them, and switches it
-//! off. Its energy is
+//! A burst switches an accelerometer on, takes samples into its FIFO, transfers and processes them, and switches it off. Its energy is
 //!
 //! `E = N·c·e + I·U·t + b·e_b + n·(e·f·t_w)`
 //!

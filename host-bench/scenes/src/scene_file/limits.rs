@@ -1,5 +1,4 @@
-//! The limits of the models: the table of their keys, `[limits]`, with what is beyond each. Their sources are in
-//! docs/limits.md.
+//! The limits of the models: the table of their keys, `[limits]`, with what is beyond each. Their sources are in docs/limits.md.
 
 use super::document::SceneError;
 use super::key::{Key, Table, between, number};

@@ -1,10 +1,9 @@
 //! Modes of a clamped piezoelectric beam and of the rod that it hits.
 //!
-//! The beam is a clamped-free Euler-Bernoulli beam of two or three layers; the rod is fixed at its base and free at its
-//! face. Modes are normalised to unit modal mass. The electrodes cover the whole length of the piezoelectric
-//! layer, so its coupling is that of the slope at the tip: Erturk and Inman, J. Vib. Acoust. 130 (2008).
-//! With a tip mass the beam has other modes and the same section. They are for the checks of the reader, the reference and the
-//! peers.
+//! The beam is a clamped-free Euler-Bernoulli beam of two or three layers; the rod is fixed at its base and free at its face. Modes are
+//! normalised to unit modal mass. The electrodes cover the whole length of the piezoelectric layer, so its coupling is that of the
+//! slope at the tip: Erturk and Inman, J. Vib. Acoust. 130 (2008). With a tip mass the beam has other modes and the same section. They
+//! are for the checks of the reader, the reference and the peers.
 
 mod cantilever;
 mod tip_mass;

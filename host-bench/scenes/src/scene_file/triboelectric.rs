@@ -43,9 +43,8 @@ pub(super) const fn tables(
 /// Electrostatic force law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForceLaw {
-    /// The transferred charge as that of a capacitor, equations (16) and (28) of Fu, Ouyang and Davis:
-    /// on the overlap in sliding, on the total capacitance in contact-separation. Gives the paper's
-    /// trends; not passive in contact-separation.
+    /// The transferred charge as that of a capacitor, equations (16) and (28) of Fu, Ouyang and Davis: on the overlap in sliding, on
+    /// the total capacitance in contact-separation. Gives the paper's trends; not passive in contact-separation.
     TransferredCharge,
     /// The field in the gap between the surfaces: the law that conserves energy.
     GapField,

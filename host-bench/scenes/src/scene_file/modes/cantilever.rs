@@ -14,8 +14,7 @@
 //! 1 + cos λ cosh λ = λ (m / ρAL) (sin λ cosh λ − cos λ sinh λ)
 //! ```
 //!
-//! Power series replace the differences that would cancel, so a tip mass far heavier or far lighter than the
-//! beam costs no digits.
+//! Power series replace the differences that would cancel, so a tip mass far heavier or far lighter than the beam costs no digits.
 
 use std::f64::consts::TAU;
 
