@@ -310,7 +310,8 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     };
     if let Some(noise) = noise {
         let level = (factor * noise).max(floor);
-        let name = format!("noise floor of a line: {}", with_unit(noise, unit));
+        let below = if noise < 1e-6 * largest { "below " } else { "" };
+        let name = format!("noise floor of a line: {below}{}", with_unit(noise.max(1e-6 * largest), unit));
         curves.push(Curve::new(name, BLACK, Mark::Dashes(1.2), ends.map(|frequency| (frequency, level))));
     }
     let top = 1.3 * factor * largest;

@@ -157,19 +157,28 @@ fn rows_of(points: &[Point]) -> crate::rows::Rows {
     crate::rows::Rows(points.iter().map(Point::row).collect())
 }
 
-/// The values of each point with its power and voltage, aligned.
+/// The values of each point with its power and its voltage, or with what its node did, aligned.
 fn table(points: &[Point]) -> String {
     let keys = points.iter().take(1).flat_map(|point| &point.values);
     let keys = keys.map(|(key, _)| (key.as_str(), key.as_str(), Digits::Exponent(5)));
     let steady = points.iter().any(|point| point.text("steady_state").is_some());
+    let of_run = [
+        ("rms_voltage_v", "rms_voltage_v", Digits::Exponent(5)),
+        ("smallest_margin", "smallest_margin", Digits::Exponent(5)),
+        ("steps", "steps", Digits::Six),
+    ];
+    let of_node = [
+        ("runs", "node_runs", Digits::Six),
+        ("lockouts", "node_lockouts", Digits::Six),
+        ("lowest_voltage_v", "node_lowest_voltage_v", Digits::Exponent(5)),
+    ];
+    let has_node = points.iter().any(|point| point.number("node_runs").is_some());
     let columns: Vec<Column<'_>> = keys
         .chain([
             ("mean_power_w", "mean_power_w", Digits::Exponent(5)),
             ("stated_error", "accuracy_total", Digits::Exponent(1)),
-            ("rms_voltage_v", "rms_voltage_v", Digits::Exponent(5)),
-            ("smallest_margin", "smallest_margin", Digits::Exponent(5)),
-            ("steps", "steps", Digits::Six),
         ])
+        .chain(if has_node { of_node } else { of_run })
         .chain(steady.then_some(("steady_state", "steady_state", Digits::Six)))
         .chain(points.iter().any(|point| point.found.is_err()).then_some(("error", "error", Digits::Word)))
         .collect();

@@ -29,7 +29,7 @@ pub(crate) fn with_unit(value: f64, unit: &str) -> String {
     format!("{} {prefix}{unit}", rounded(value * factor))
 }
 
-/// Values with their unit and as many digits, from three on, as tell them apart.
+/// Values with their unit and as many digits, from three on, as leave each within a tenth of its distance to the next one.
 pub(crate) fn distinct_labels(values: &[f64], unit: &str) -> Vec<String> {
     // The prefix of a power, or of a kilogram, would be that of another unit.
     let has_prefix =
@@ -39,13 +39,12 @@ pub(crate) fn distinct_labels(values: &[f64], unit: &str) -> Vec<String> {
         let rounded: f64 = format!("{:.*e}", digits - 1, value * factor).parse().unwrap_or(value * factor);
         let plain = rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs());
         let number = if plain { rounded.to_string() } else { format!("{rounded:e}") };
-        format!("{number} {prefix}{unit}").trim_end().to_owned()
+        let distances = values.iter().map(|other| (other - value).abs()).filter(|distance| *distance > 0.0);
+        let is_off = (rounded / factor - value).abs() > 0.1 * distances.fold(f64::INFINITY, f64::min);
+        (!is_off || digits == 17).then(|| format!("{number} {prefix}{unit}").trim_end().to_owned())
     };
-    let texts = |digits: usize| values.iter().map(|value| text(value, digits)).collect::<Vec<_>>();
-    let differ = |texts: &Vec<String>| {
-        (1..texts.len()).all(|at| !texts[..at].contains(&texts[at]) || values[..at].contains(&values[at]))
-    };
-    (3..17).map(texts).find(differ).unwrap_or_else(|| texts(17))
+    let texts = |digits: usize| values.iter().map(|value| text(value, digits)).collect::<Option<_>>();
+    (3..=17).find_map(texts).unwrap_or_default()
 }
 
 /// The smallest of some margins to limits of a model, for the title of a picture after other text; empty for none.
@@ -177,6 +176,7 @@ mod tests {
     #[test]
     fn labels_of_different_values_differ() {
         assert_eq!(distinct_labels(&[0.0325, 0.033, 0.0335], "m"), ["32.5 mm", "33 mm", "33.5 mm"]);
+        assert_eq!(distinct_labels(&[19.0, 19.25, 19.5], "Hz"), ["19 Hz", "19.25 Hz", "19.5 Hz"]);
         assert_eq!(distinct_labels(&[1.0, 1.00001, 1.00001], "Hz"), ["1 Hz", "1.00001 Hz", "1.00001 Hz"]);
         assert_eq!(distinct_labels(&[1e3, 1e6, 0.0, f64::INFINITY], "Ω"), ["1 kΩ", "1 MΩ", "0 Ω", "inf Ω"]);
         assert_eq!(distinct_labels(&[2e-3, 4e-8], "kg"), ["0.002 kg", "4e-8 kg"]);

@@ -1,6 +1,7 @@
 //! The keys of scene files as a page, and for a terminal.
 
 use super::{Row, rows};
+use crate::outcome::folded;
 use crate::scene_file::KEYS;
 
 /// A table of the file with its rows.
@@ -85,7 +86,7 @@ pub fn text(scene: Option<&str>) -> String {
     let mut text = String::new();
     for part in parts(scene) {
         let note = if part.note.is_empty() { String::new() } else { format!(": {}", part.note) };
-        text += &format!("{}{note}\n", plain(&part.title));
+        text += &(folded(&format!("{}{note}", plain(&part.title)), 2) + "\n");
         let cells: Vec<[String; 5]> = part
             .rows
             .iter()
@@ -104,11 +105,11 @@ pub fn text(scene: Option<&str>) -> String {
         };
         let widths: [usize; 5] = std::array::from_fn(width);
         for (cells, row) in cells.iter().zip(&part.rows) {
-            text.push(' ');
+            let mut line = " ".to_owned();
             for (cell, width) in cells.iter().zip(widths).filter(|(_, width)| *width > 0) {
-                text += &format!(" {cell:<width$} ");
+                line += &format!(" {cell:<width$} ");
             }
-            text += &format!(" {}\n", plain(row.meaning));
+            text += &(folded(&format!("{line} {}", plain(row.meaning)), 6) + "\n");
         }
         text.push('\n');
     }

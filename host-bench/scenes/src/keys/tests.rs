@@ -36,6 +36,9 @@ fn each_key_has_a_line_that_says_what_it_is() {
         count += 1;
     }
     assert!(count > 120, "{count} rows");
+    // The width of a terminal.
+    let wide = text(None).lines().find(|line| line.chars().count() > 100).map(str::to_owned);
+    assert_eq!(wide, None);
 }
 
 /// The file of a template.

@@ -207,7 +207,7 @@ const PREFIXES: [(&str, i32); 12] = [
 ];
 
 /// A number for a key on a command line: plain, or with a prefix of a unit, with the unit of the key, or with both, such as
-/// `10M`, `33kΩ`, `20us` or, for an acceleration, `0.2g`. A letter that is a prefix is one: `5m` of a length is 5 mm.
+/// `10M`, `33kΩ`, `20us` or, for an acceleration or a mass, `0.2g`. A letter that is a prefix is one: `5m` of a length is 5 mm.
 pub fn number_of(key: &str, text: &str) -> Option<f64> {
     let text = text.trim();
     if let Ok(plain) = text.parse() {
@@ -228,8 +228,9 @@ pub fn number_of(key: &str, text: &str) -> Option<f64> {
     // A key whose unit depends on its kind takes a prefix alone.
     let unit = if unit != "1" && rows.iter().all(|row| row.unit == unit) { unit } else { "" };
     let ascii = unit.replace('Ω', "ohm").replace('²', "2");
-    let units = [("", 1.0), (unit, 1.0), (ascii.as_str(), 1.0), ("g", GRAVITY)];
-    let units = if unit == "m/s²" { &units[..] } else { &units[..3] };
+    let gram = if unit == "kg" { 1e-3 } else { GRAVITY };
+    let units = [("", 1.0), (unit, 1.0), (ascii.as_str(), 1.0), ("g", gram)];
+    let units = if ["m/s²", "kg"].contains(&unit) { &units[..] } else { &units[..3] };
     let suffix = suffix.trim();
     let found = units.iter().find_map(|(unit, factor)| {
         let prefix = suffix.strip_suffix(unit)?;
@@ -299,6 +300,9 @@ mod tests {
             ("excitation.amplitude_m_per_s2", "2m/s2", Some(2.0)),
             ("excitation.amplitude_g", "0.2g", Some(0.2)),
             ("excitation.lines", "1k", Some(1e3)),
+            ("parameters.mass_kg", "5g", Some(5e-3)),
+            ("parameters.mass_kg", "5mg", Some(5e-6)),
+            ("parameters.mass_kg", "0.1kg", Some(0.1)),
             // A prefix of a square is squared.
             ("parameters.electrode_area_m2", "4e-4m2", Some(4e-4)),
             ("parameters.electrode_area_m2", "400mm2", None),
