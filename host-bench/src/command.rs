@@ -126,8 +126,8 @@ thread_local! {
     static PRINTED: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// Runs a command for a caller in this process. Returns what it prints on standard output; it writes no file that its options
-/// do not name.
+/// Runs a command for a caller in this process. Returns what it prints on standard output. `budget` and `plot` then write no file
+/// that their options do not name.
 ///
 /// # Errors
 /// Those of the command, but for a part of the result that could not be had: the result says so.

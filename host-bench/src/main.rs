@@ -23,14 +23,14 @@ fn main() -> ExitCode {
 fn check_width(matches: &clap::ArgMatches) -> Result<(), clap::Error> {
     let Some(width) = matches.get_one::<f64>("width") else { return Ok(()) };
     let (name, of_command) = matches.subcommand().unwrap_or(("the command without a name", matches));
-    let file = match name {
-        "figures" => return Ok(()),
-        "plot" | "sweep" | "tolerance" => "output",
-        "budget" => "svg",
-        "node-strategies" | "node-years" => "page",
-        _ => "picture",
+    let files: &[&str] = match name {
+        "budget" | "figures" | "plot" => return Ok(()),
+        "sweep" | "tolerance" => &["output"],
+        "fit" | "map" | "optimise" => &["output", "picture"],
+        "node-strategies" | "node-years" => &["page"],
+        _ => &["picture"],
     };
-    if matches!(of_command.try_contains_id(file), Ok(true)) {
+    if files.iter().any(|file| matches!(of_command.try_contains_id(file), Ok(true))) {
         return Ok(());
     }
     let text = format!("--width {width}mm: {name} writes no file of a picture here, whose width this is");

@@ -505,7 +505,7 @@ def validation(*, picture: str | os.PathLike[str] | None = None) -> Rows:
 
     Returns the list of ``validation --format json``: a dictionary for each figure with ``source``, ``quantity`` with its unit,
     ``measured``, ``ours``, ``relative_difference``, and ``fitted``, whether a parameter was fitted to it. ``picture`` is a file
-    (.svg or .html). The scenes are read from the sources by which the package was built: they must be there.
+    (.svg or .html).
     """
     arguments = [] if picture is None else [f"--picture={os.fspath(picture)}"]
     found: Rows = json.loads(_native.command(["validation", "--format=json", *arguments]))

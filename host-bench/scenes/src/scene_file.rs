@@ -22,6 +22,7 @@ mod template;
 mod trace;
 mod triboelectric;
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use self::document::Document;
@@ -182,8 +183,17 @@ pub fn shipped(name: &str) -> PathBuf {
 }
 
 /// The text of a path of [`shipped`], as it was when this was built.
-pub fn shipped_text(file: &Path) -> Option<&'static str> {
+pub(crate) fn shipped_text(file: &Path) -> Option<&'static str> {
     SHIPPED.iter().find(|(name, _)| shipped(name) == file).map(|(_, text)| *text)
+}
+
+/// The text of a path of [`shipped`] in place of the error that there is no such file.
+///
+/// # Errors
+/// Any other error.
+pub fn shipped_instead(file: &Path, error: io::Error) -> io::Result<String> {
+    let is_absent = error.kind() == io::ErrorKind::NotFound;
+    shipped_text(file).filter(|_| is_absent).map(str::to_owned).ok_or(error)
 }
 
 /// The scene of a file in `host-bench/scenes` by its name without ending, with these keys changed.

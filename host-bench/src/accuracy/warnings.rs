@@ -86,13 +86,17 @@ pub(super) fn lost_rms(outcome: &Outcome, exact: &Outcome) -> Option<String> {
 /// The warning of a trace whose straight lines differ notably from a smooth curve through its samples, or cannot be compared with it.
 pub(super) fn sampled(scene: &Scene, outcome: &Outcome) -> Option<String> {
     let Excitation::File(trace) = &scene.excitation else { return None };
+    let key = if trace.resampled.is_some() { "resample_hz" } else { "rate_hz" };
     let Some(sampling) = outcome.accuracy.sampling else {
-        return Some("excitation.rate_hz: the error by the sampling is unknown: the run on a smoother trace did not end".to_owned());
+        return Some(format!(
+            "excitation.{key}: the error by the sampling is unknown: the run on a smoother trace did not end"
+        ));
     };
-    let remedy = natural_frequency_hz(scene, outcome).map(|natural| more_samples(trace.rate_hz, natural));
+    let natural = natural_frequency_hz(scene, outcome).filter(|_| trace.resampled.is_none());
+    let remedy = natural.map(|natural| more_samples(trace.rate_hz, natural));
     (sampling > NOTABLE).then(|| {
         let remedy = remedy.unwrap_or_default();
-        format!("excitation.rate_hz: {sampling:.1e} of the mean power by the sampling of the trace{remedy}")
+        format!("excitation.{key}: {sampling:.1e} of the mean power by the sampling of the trace{remedy}")
     })
 }
 

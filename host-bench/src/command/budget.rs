@@ -16,7 +16,10 @@ use crate::scene_file::{self, Load};
 const REPORT: [&str; 2] = ["budget.svg", "budget.html"];
 
 #[derive(Debug, Clone, clap::Args)]
-#[command(mut_arg("scene", |arg| arg.help("Scene file with a table [node]")))]
+#[command(
+    mut_arg("scene", |arg| arg.help("Scene file with a table [node]")),
+    mut_arg("overrides", |arg| arg.help("Another value for a key of the scene, such as node.update_s=30; may be repeated"))
+)]
 pub struct BudgetArguments {
     #[command(flatten)]
     scene: FileArguments,

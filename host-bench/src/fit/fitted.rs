@@ -6,7 +6,7 @@ use toml_edit::{DocumentMut, Item, Table, Value};
 
 use crate::input::{self, MOST_OF_SCENE};
 use crate::method::Failure;
-use crate::scene_file::{Override, shipped_text};
+use crate::scene_file::{Override, shipped_instead};
 
 /// A number of a scene file, and what to say of it.
 #[derive(Debug, Clone)]
@@ -27,7 +27,7 @@ pub(crate) fn fitted_scene(
 ) -> Result<String, Failure> {
     let refuse = |reason: String| Failure::Input(format!("{}: {reason}", file.display()));
     let text = input::text(file, MOST_OF_SCENE)
-        .or_else(|error| shipped_text(file).map(str::to_owned).ok_or(error))
+        .or_else(|error| shipped_instead(file, error))
         .map_err(|error| refuse(format!("cannot be read: {error}")))?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let mut document: DocumentMut = text.parse().map_err(|error| refuse(format!("is not TOML: {error}")))?;

@@ -41,10 +41,11 @@ pub(crate) fn distinct_labels(values: &[f64], unit: &str) -> Vec<String> {
         let number = if plain { rounded.to_string() } else { format!("{rounded:e}") };
         let distances = values.iter().map(|other| (other - value).abs()).filter(|distance| *distance > 0.0);
         let is_off = (rounded / factor - value).abs() > 0.1 * distances.fold(f64::INFINITY, f64::min);
-        (!is_off || digits == 17).then(|| format!("{number} {prefix}{unit}").trim_end().to_owned())
+        (format!("{number} {prefix}{unit}").trim_end().to_owned(), is_off)
     };
-    let texts = |digits: usize| values.iter().map(|value| text(value, digits)).collect::<Option<_>>();
-    (3..=17).find_map(texts).unwrap_or_default()
+    let texts = |digits: usize| values.iter().map(|value| text(value, digits)).unzip();
+    let is_near = |(_, off): &(Vec<String>, Vec<bool>)| !off.contains(&true);
+    (3..17).map(texts).find(is_near).unwrap_or_else(|| texts(17)).0
 }
 
 /// The smallest of some margins to limits of a model, for the title of a picture after other text; empty for none.

@@ -177,7 +177,7 @@ fn bad_keys() {
         ("excitation.amplitude_g=1", ["excitation.amplitude_g = 1", "unknown key"]),
         ("run.duration_s=0.51", ["run.duration_s = 0.51", "0.5 s long"]),
         ("excitation.longest_gap_samples=3", ["longest_gap_samples = 3", "beside resample_hz"]),
-        ("excitation.resample_hz=10", ["excitation.rate_hz: is missing", "a column of times"]),
+        ("excitation.resample_hz=10", ["excitation.resample_hz", "must have a column of times"]),
     ] {
         refused(&["run", &good, "--method", "reference", "--set", change], &parts);
     }

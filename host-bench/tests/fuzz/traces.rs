@@ -35,6 +35,7 @@ fn shaken_by(bytes: &mut Unstructured<'_>, recording: &str, usual: &str) -> Stri
     let lines = [
         one_of(bytes, &columns),
         one_of(bytes, &["", "", "rate_hz = 100.0", "rate_hz = 1000.0", "rate_hz = 48000"]),
+        one_of(bytes, &["", "", "resample_hz = 100.0", "resample_hz = 1e6\nlongest_gap_samples = 1000"]),
         one_of(bytes, &["", "", "time_column = 1", "time_column = false", "time_column = \"t\""]),
     ];
     let other = lines.join("\n");

@@ -8,7 +8,7 @@ use super::document::{
     Content, Document, Node, OLD_KEYS, Origin, SceneError, convert, entry, kind_of, line_of,
 };
 use super::key::{Key, Kind, Value, walk};
-use super::{GRAVITY, KEYS, rows_of, shipped_text};
+use super::{GRAVITY, KEYS, rows_of, shipped_instead};
 use crate::input::{MOST_OF_SCENE, read};
 
 /// A value to put into the document before it is read: `a.b=c`.
@@ -86,7 +86,7 @@ impl Document {
     pub(super) fn read(file: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
         let fault = |line, reason: String| SceneError::of_file(file, line, reason);
         let bytes = read(file, MOST_OF_SCENE)
-            .or_else(|error| shipped_text(file).map(|text| text.as_bytes().to_owned()).ok_or(error))
+            .or_else(|error| shipped_instead(file, error).map(String::into_bytes))
             .map_err(|error| fault(None, format!("cannot be read: {error}")))?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = error.utf8_error().valid_up_to();

@@ -11,6 +11,8 @@ const BRIDGED: f64 = 2.0;
 /// Least interval of two samples in usual ones: a cubic magnifies their noise by about its reciprocal. And least even rate in
 /// usual ones: what is below its half does not fold, so there is no low-pass.
 const LEAST: [f64; 2] = [0.1, 0.9];
+/// Part of an even interval by which the last time may lie before the last even one: roundings.
+const ROUNDING: f64 = 1e-6;
 /// Most samples at even times.
 const MOST_SAMPLES: f64 = 1e7;
 
@@ -87,9 +89,7 @@ impl Times {
         key: &'static str,
     ) -> Result<f64, TraceFault> {
         let refuse = |text: String| Err(TraceFault::new(key, text));
-        if let Some(bad) = self.seconds.iter().position(|time| !time.is_finite()) {
-            return refuse(format!("line {}: time {} s must be finite", self.lines[bad], self.seconds[bad]));
-        }
+        self.check_finite(key)?;
         let Some(rate) = stated.or(self.own_rate()) else {
             return refuse("the times do not rise from the first to the last".to_owned());
         };
@@ -101,6 +101,12 @@ impl Times {
         }
     }
 
+    fn check_finite(&self, key: &'static str) -> Result<(), TraceFault> {
+        let Some(bad) = self.seconds.iter().position(|time| !time.is_finite()) else { return Ok(()) };
+        let text = format!("line {}: time {} s must be finite", self.lines[bad], self.seconds[bad]);
+        Err(TraceFault::new(key, text))
+    }
+
     /// The samples at even times from the first one on, by the cubic through four, and by a straight line across a gap.
     pub(super) fn resampled(
         &self,
@@ -108,10 +114,11 @@ impl Times {
         (rate_hz, longest_gap): (f64, usize),
         key: &'static str,
     ) -> Result<Samples, TraceFault> {
+        self.check_finite(key)?;
         let times = &self.seconds;
         let missing = self.missing(rate_hz, longest_gap, key)?;
         let is_near = |at: usize| missing.get(at).is_some_and(|missing| *missing <= BRIDGED);
-        let count = ((times[times.len() - 1] - times[0]) * rate_hz + UNEVEN).floor() + 1.0;
+        let count = ((times[times.len() - 1] - times[0]) * rate_hz + ROUNDING).floor() + 1.0;
         if !(2.0..=MOST_SAMPLES).contains(&count) {
             let text = format!("makes {count} samples, must make 2 to {MOST_SAMPLES:e}");
             return Err(TraceFault::new(RESAMPLED, text));
@@ -190,7 +197,7 @@ impl Times {
         let (step, line) = worst.unwrap_or((f64::NAN, &0));
         format!(
             "line {line}: the time is {step:.6} s after the one before, the mean interval is {mean:.6} s: the times must \
-             be even to {UNEVEN} intervals"
+             be even to {UNEVEN} intervals; resample_hz takes uneven ones"
         )
     }
 }
@@ -288,6 +295,9 @@ mod tests {
             let fault = of(rate_hz, longest_gap).expect_err("a fault");
             assert!(fault.key == key && fault.text.contains(part), "{fault:?}");
         }
+        let endless = Times { seconds: vec![0.0, f64::INFINITY, 2.0], lines: vec![1, 2, 3] };
+        let fault = endless.resampled(&[0.0; 3], (1.0, 2), "path");
+        assert!(fault.is_err_and(|fault| fault.text == "line 2: time inf s must be finite"));
         let close = Times { seconds: vec![0.0, 1.0, 2.0, 2.05, 3.0], lines: (1..=5).collect() };
         let fault = close.resampled(&[0.0; 5], (2.0, 2), "path");
         assert!(fault.is_err_and(|fault| fault.text.contains("line 4: the time is 0.05")));

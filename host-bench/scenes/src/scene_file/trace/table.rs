@@ -9,7 +9,7 @@ use csv::{Position, ReaderBuilder, StringRecord, Trim};
 use self::layout::{Clock, Layout};
 use super::clock::Times;
 use super::number::{Delimiter, Numbers};
-use super::{Asked, Samples, TraceFault, enough, scaled};
+use super::{Asked, RESAMPLED, Samples, TraceFault, enough, scaled};
 use crate::input::{self, MOST_OF_DATA};
 use crate::scene_file::key::Bound;
 
@@ -99,7 +99,10 @@ fn cell<'r>(
 /// The samples at the rate of the times, at that which is stated, or at even times.
 fn timed(layout: &Layout, rows: Rows, asked: &Asked, bound: Bound) -> Result<Samples, TraceFault> {
     let Rows { samples, times, .. } = rows;
-    let wanted = || TraceFault::missing("rate_hz", format!("{bound}, or the file have a column of times"));
+    let wanted = || match asked.resampling {
+        None => TraceFault::missing("rate_hz", format!("{bound}, or the file have a column of times")),
+        Some(_) => TraceFault::new(RESAMPLED, "must have a column of times".to_owned()),
+    };
     let (Some(clock), Some(times)) = (layout.clock, times) else {
         layout.check_sample(asked, false)?;
         return Ok((samples, asked.rate_hz.ok_or_else(wanted)?, None));
@@ -111,11 +114,11 @@ fn timed(layout: &Layout, rows: Rows, asked: &Asked, bound: Bound) -> Result<Sam
         return Ok((samples, asked.rate_hz.ok_or_else(wanted)?, None));
     }
     let key = blamed(clock, asked);
-    let found = match asked.resampling {
-        Some(resampling) => times.resampled(&samples, resampling, key),
-        None => times.rate(asked.rate_hz, bound, key).map(|rate_hz| (samples, rate_hz, None)),
+    let Some(resampling) = asked.resampling else {
+        let rate = times.rate(asked.rate_hz, bound, key).map_err(|fault| clock.with_way_out(fault));
+        return Ok((samples, rate?, None));
     };
-    found.map_err(|fault| clock.with_way_out(fault))
+    times.resampled(&samples, resampling, key)
 }
 
 /// The key to blame for times that do not agree with it or with one another.
