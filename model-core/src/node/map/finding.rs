@@ -89,6 +89,17 @@ impl PredictedPower {
         sums.predicted(map, voltage)
     }
 
+    /// Of one motion, without an error of the map; power and noise in W.
+    fn of_one(finding: Finding, value: f32, noise: f32) -> Self {
+        let lower = OutputPower { value, noise, systematic: 0.0 };
+        Self { finding, lower, upper: lower }
+    }
+
+    /// An order of magnitude in W.
+    fn about(finding: Finding, value: f32) -> Self {
+        Self::of_one(finding, value, value)
+    }
+
     /// The output power of either motion: the middle of both, uncertain by half of their difference.
     #[must_use]
     pub fn either(&self) -> OutputPower {
@@ -189,88 +200,99 @@ impl Blocks {
 
     /// The output power of all blocks.
     pub(super) fn predicted<W: WordSource>(&self, map: &ResponseMap<W>, voltage: f32) -> PredictedPower {
-        let one = |finding, lower| PredictedPower { finding, lower, upper: lower };
-        let nothing = |finding| one(finding, OutputPower::default());
-        // An order of magnitude.
-        let about = |finding, value| one(finding, OutputPower { value, noise: value, systematic: 0.0 });
         if self.is_damaged || self.count == 0 {
-            return nothing(Finding::Damaged);
+            return PredictedPower::about(Finding::Damaged, 0.0);
         }
         let count = f32::from(u16::try_from(self.count).unwrap_or(u16::MAX));
-        let [amplitude, frequency] = self.strongest;
         let scale = if map.is_current() { voltage } else { 1.0 };
-        let broadband = |density: f32| map.broadband(density / count);
         if self.lines == self.count {
-            let [value, upper, low, high] = self.powers.map(|sum| sum / count);
-            let rest = 3.0 * scale * broadband(self.rest).map_or(0.0, |rest| rest.value);
-            if rest > RELEVANT * value {
-                return about(Finding::Unclear, Scalar::max(value, rest));
-            }
-            // What else the band has beats with the line, which an impacting or stuck harvester answers in its own way.
-            let purity = self.purity / count;
-            let part = OF_LINE + (1.0 - purity);
-            let with = |value: f32, spread: f32, [least, most]: [f32; 2]| {
-                let beat = Scalar::max(value - least, most - value) / BOUND;
-                let spread = Scalar::max(spread, beat);
-                let systematic = if value > 0.0 { spread / value } else { 0.0 };
-                OutputPower { value, noise: part * value, systematic }
-            };
-            let beat = self.beat(map, purity, voltage);
-            let [of_lower, of_upper] = beat.unwrap_or([[value; 2], [upper; 2]]);
-            let high = high + rest;
-            if self.doubles == 0 {
-                let of_both = [Scalar::min(of_lower[0], of_upper[0]), Scalar::max(of_lower[1], of_upper[1])];
-                // The bound covers those of the map, which need not be even.
-                let away = Scalar::max(high - value, value - low) / BOUND;
-                return one(Finding::Line, with(value, Scalar::max(0.25 * (high - low), away), of_both));
-            }
-            // Of each motion the bound away from the other one.
-            let lower = with(value, 0.5 * (value - low), of_lower);
-            let upper = with(upper, 0.5 * (high - upper), of_upper);
-            return PredictedPower { finding: Finding::TwoMotions, lower, upper };
+            return self.of_line(map, voltage, scale, count);
         }
+        let [amplitude, frequency] = self.strongest;
         let [lowest, _] = map.amplitudes();
         // The strongest line of noise or of no signal is any bin, which the map need not have: the output power at rest is then bounded
         // by that at the resonance.
         let at = if map.has_frequency(frequency) { frequency } else { map.resonance() };
         let edge = look_up(map, lowest * 1.001, at, voltage).income();
         if amplitude < lowest || self.purity <= BROADBAND * count {
-            if let Some(found) = broadband(self.density) {
+            if let Some(found) = map.broadband(self.density / count) {
                 let value = found.value * scale;
                 // Vibration of an even density has no line that gives more than a few of its bins.
                 let line = look_up(map, amplitude, frequency, voltage);
                 let line = line.income().map_or(0.0, |line| line.high * scale);
                 if amplitude >= lowest && line > STRONG * value {
-                    return about(Finding::Unclear, line);
+                    return PredictedPower::about(Finding::Unclear, line);
                 }
                 if !found.is_linear {
-                    return about(Finding::BroadbandBeyond, value);
+                    return PredictedPower::about(Finding::BroadbandBeyond, value);
                 }
                 let noise = DENSITY * value / Scalar::sqrt(count);
                 if amplitude >= lowest {
-                    return one(Finding::Broadband, OutputPower { value, noise, systematic: 0.0 });
+                    return PredictedPower::of_one(Finding::Broadband, value, noise);
                 }
                 // The output power of the linear motion grows with the square of the amplitude.
                 let part = amplitude / lowest;
                 let line = edge.map_or(0.0, |edge| 0.5 * edge.high * scale * part * part);
-                return one(
-                    Finding::Rest,
-                    OutputPower { value, noise: Scalar::max(noise, line), systematic: 0.0 },
-                );
+                let noise = Scalar::max(noise, line);
+                return PredictedPower::of_one(Finding::Rest, value, noise);
             }
             let peak = if self.purity >= LINE * count { amplitude } else { NOISE_PEAK * amplitude };
             if peak < lowest {
                 // The output power grows with the amplitude.
-                return edge.map_or(nothing(Finding::Outside(Outside::AmplitudeBelow)), |edge| {
-                    let noise = 0.5 * edge.high * scale;
-                    one(Finding::Rest, OutputPower { value: 0.0, noise, systematic: 0.0 })
-                });
+                let Some(edge) = edge else {
+                    return PredictedPower::about(Finding::Outside(Outside::AmplitudeBelow), 0.0);
+                };
+                let noise = 0.5 * edge.high * scale;
+                return PredictedPower::of_one(Finding::Rest, 0.0, noise);
             }
         }
         match look_up(map, amplitude, frequency, voltage) {
-            Response::Outside(edge) if self.purity >= LINE * count => nothing(Finding::Outside(edge)),
-            other => about(Finding::Unclear, other.income().map_or(0.0, |income| income.value * scale)),
+            Response::Outside(edge) if self.purity >= LINE * count => {
+                PredictedPower::about(Finding::Outside(edge), 0.0)
+            }
+            other => PredictedPower::about(
+                Finding::Unclear,
+                other.income().map_or(0.0, |income| income.value * scale),
+            ),
         }
+    }
+
+    /// The output power where each of the `count` blocks has a line; `scale` is W for each unit of the map.
+    fn of_line<W: WordSource>(
+        &self,
+        map: &ResponseMap<W>,
+        voltage: f32,
+        scale: f32,
+        count: f32,
+    ) -> PredictedPower {
+        let [value, upper, low, high] = self.powers.map(|sum| sum / count);
+        let rest = 3.0 * scale * map.broadband(self.rest / count).map_or(0.0, |rest| rest.value);
+        if rest > RELEVANT * value {
+            return PredictedPower::about(Finding::Unclear, Scalar::max(value, rest));
+        }
+        // What else the band has beats with the line, which an impacting or stuck harvester answers in its own way.
+        let purity = self.purity / count;
+        let part = OF_LINE + (1.0 - purity);
+        let with = |value: f32, spread: f32, [least, most]: [f32; 2]| {
+            let beat = Scalar::max(value - least, most - value) / BOUND;
+            let spread = Scalar::max(spread, beat);
+            let systematic = if value > 0.0 { spread / value } else { 0.0 };
+            OutputPower { value, noise: part * value, systematic }
+        };
+        let beat = self.beat(map, purity, voltage);
+        let [of_lower, of_upper] = beat.unwrap_or([[value; 2], [upper; 2]]);
+        let high = high + rest;
+        if self.doubles == 0 {
+            let of_both = [Scalar::min(of_lower[0], of_upper[0]), Scalar::max(of_lower[1], of_upper[1])];
+            // The bound covers those of the map, which need not be even.
+            let away = Scalar::max(high - value, value - low) / BOUND;
+            let lower = with(value, Scalar::max(0.25 * (high - low), away), of_both);
+            return PredictedPower { finding: Finding::Line, lower, upper: lower };
+        }
+        // Of each motion the bound away from the other one.
+        let lower = with(value, 0.5 * (value - low), of_lower);
+        let upper = with(upper, 0.5 * (high - upper), of_upper);
+        PredictedPower { finding: Finding::TwoMotions, lower, upper }
     }
 }
 

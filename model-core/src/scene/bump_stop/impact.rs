@@ -58,12 +58,24 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         work.locating += attempts;
         *pair.next = reached;
         self.take(pair, &trial, (set.ticks, set.step), observer, work)?;
-        let state = &mut *pair.now;
+        self.collide(pair.now, &reached, restitution, observer, work);
+        Ok(())
+    }
+
+    /// The impact at `state`; the gap closes at the rate in `reached`.
+    fn collide<O: Observer<S>>(
+        &self,
+        state: &mut StateOf<S, P, B, R>,
+        reached: &StateOf<S, P, B, R>,
+        restitution: S,
+        observer: &mut O,
+        work: &mut Work,
+    ) {
         let before = *state;
         BumpStop::<S, P, B, R>::close_gap(state);
-        let speed = self.scene.gap_rate(&reached);
+        let speed = self.scene.gap_rate(reached);
         if !(speed > S::ZERO) {
-            return Ok(());
+            return;
         }
         work.events += 1;
         let holds = speed < S::from_f64(CLOSING_SPEED);
@@ -89,7 +101,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             loss,
             energies: &energies,
         });
-        Ok(())
     }
 }
 

@@ -49,15 +49,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         self.check()?;
         let &Choices { load, friction, force_law, sticking, lateral_force } = self.choices.choices();
         let two = S::from_f64(2.0);
-        let section = self.beam_width * self.beam_thickness;
-        let square = self.beam_thickness * self.beam_thickness;
-        let mode = Cantilever {
-            length: self.beam_length,
-            bending_stiffness: self.young_modulus * section * square * S::from_f64(1.0 / 12.0),
-            mass_per_length: self.density * section,
-            tip_mass: self.slider_mass,
-        }
-        .mode(1);
+        let mode = self.cantilever().mode(1);
         let angular_frequency = mode.angular_frequency;
         let frequency = angular_frequency * S::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
         Bounds::of(NATURAL_FREQUENCY).check("natural frequency of the beam with the slider", frequency)?;
@@ -73,14 +65,7 @@ impl<S: Scalar, C> Parameters<S, C> {
             Resistance::Short | Resistance::Open => S::ZERO,
         };
         let diameter = two * self.patch_radius;
-        // Scale of the energy of a radian: the energy of the charge σS on the whole patch, (σS)²/2C = M d q², or with
-        // a small resistance the dissipated part 2 ω τ of it. A slow motion of a hundredth of the diameter moves a
-        // ten-thousandth of the energy.
         let patch_energy = modal_mass * self.dielectric_thickness * tribo_charge * tribo_charge;
-        let share = match load.resistance() {
-            Resistance::Finite(_) => (two * angular_frequency / circuit_rate).min(S::ONE),
-            Resistance::Short | Resistance::Open => S::ONE,
-        };
         let scene = Sliding {
             modal_mass,
             base_coupling: mode.base_coupling * tip,
@@ -100,7 +85,7 @@ impl<S: Scalar, C> Parameters<S, C> {
             // The acceleration at a release may have a rounding error, and so the wrong sign until the load has
             // grown: for much less than a hundredth of a radian.
             velocity_margin: S::from_f64(0.01 * GRAVITY) * S::EPSILON / angular_frequency,
-            energy_floor: (S::from_f64(1e-8) * share * patch_energy).max(S::TINY),
+            energy_floor: energy_floor(load.resistance(), angular_frequency, circuit_rate, patch_energy),
             load,
             force_law,
             friction,
@@ -115,6 +100,17 @@ impl<S: Scalar, C> Parameters<S, C> {
         Ok(scene)
     }
 
+    fn cantilever(&self) -> Cantilever<S> {
+        let section = self.beam_width * self.beam_thickness;
+        let square = self.beam_thickness * self.beam_thickness;
+        Cantilever {
+            length: self.beam_length,
+            bending_stiffness: self.young_modulus * section * square * S::from_f64(1.0 / 12.0),
+            mass_per_length: self.density * section,
+            tip_mass: self.slider_mass,
+        }
+    }
+
     fn check(&self) -> Result<(), ParameterError<S>>
     where
         C: Parts<S>,
@@ -124,4 +120,19 @@ impl<S: Scalar, C> Parameters<S, C> {
         friction.check()?;
         load.resistance().check()
     }
+}
+
+/// Scale of the energy of a radian: the energy of the charge σS on the whole patch, (σS)²/2C = M d q², or with a small
+/// resistance the dissipated part 2 ω τ of it. A slow motion of a hundredth of the diameter moves a ten-thousandth of it.
+fn energy_floor<S: Scalar>(
+    resistance: Resistance<S>,
+    angular_frequency: S,
+    circuit_rate: S,
+    patch_energy: S,
+) -> S {
+    let share = match resistance {
+        Resistance::Finite(_) => (S::from_f64(2.0) * angular_frequency / circuit_rate).min(S::ONE),
+        Resistance::Short | Resistance::Open => S::ONE,
+    };
+    (S::from_f64(1e-8) * share * patch_energy).max(S::TINY)
 }
