@@ -118,26 +118,26 @@ fn bimorph(of: Transducer) -> Option<Bimorph> {
     }
 }
 
-/// Runs the scene from its start to its end.
+/// `$with` for the numbers of modes of a model.
 ///
-/// The mode counts are type parameters of the core. A mode beyond the scene's own stays at rest and
-/// leaves every bit as it is, so a few capacities serve all scenes.
+/// They are type parameters of the core. A mode beyond the scene's own stays at rest and leaves every bit as it is, so a few
+/// capacities serve all scenes.
+macro_rules! by_modes {
+    ($model:expr, $with:ident::<$($of:ty),+>($($argument:expr),+)) => {
+        match $model.modes() {
+            [..=4, ..=2] => $with::<$($of,)+ 4, 2>($($argument),+),
+            [..=10, ..=10] => $with::<$($of,)+ 10, 10>($($argument),+),
+            _ => $with::<$($of,)+ 20, 20>($($argument),+),
+        }
+    };
+}
+pub(super) use by_modes;
+
+/// Runs the scene from its start to its end.
 pub(super) fn run<S: Scalar>(setting: Setting<'_, S>, model: &BumpStop) -> Result<Outcome, Failure> {
     match bridge(setting.scene.load) {
-        Some(bridge) => with_load(setting, model, bridge),
-        None => with_load(setting, model, resistance(setting.scene.load)),
-    }
-}
-
-fn with_load<S: Scalar, L: Circuit<S>>(
-    setting: Setting<'_, S>,
-    model: &BumpStop,
-    load: L,
-) -> Result<Outcome, Failure> {
-    match model.modes() {
-        [..=4, ..=2] => run_with::<S, L, 4, 2>(setting, model, load),
-        [..=10, ..=10] => run_with::<S, L, 10, 10>(setting, model, load),
-        _ => run_with::<S, L, 20, 20>(setting, model, load),
+        Some(bridge) => by_modes!(model, run_with::<S, _>(setting, model, bridge)),
+        None => by_modes!(model, run_with::<S, _>(setting, model, resistance(setting.scene.load))),
     }
 }
 
@@ -168,10 +168,10 @@ fn steps(scene: &Scene, options: &Options) -> Result<[f64; 2], Failure> {
 }
 
 /// A harvester of the core, its initial values, and its lengths of step near contact and in free flight in s.
-pub(super) type Prepared<S, L, const B: usize, const R: usize> =
+type Prepared<S, L, const B: usize, const R: usize> =
     (Harvester<S, AnyChoices<S, L>, B, R>, Start<S, B, R>, [S; 2]);
 
-pub(super) fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
+fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
     (scene, model, options): (&Scene, &BumpStop, &Options),
     load: L,
 ) -> Result<Prepared<S, L, B, R>, Failure> {
@@ -194,23 +194,35 @@ pub(super) fn prepared<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>
     Ok((harvester, start, steps))
 }
 
+/// A harvester with all powers, and its initial values.
+pub(super) type Begun<S, L, const B: usize, const R: usize> =
+    (Stepper<S, AnyChoices<S, L>, B, R, 1>, Start<S, B, R>);
+
+pub(super) fn begun<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
+    of: (&Scene, &BumpStop, &Options),
+    load: L,
+) -> Result<Begun<S, L, B, R>, Failure> {
+    let (scene, start, [short, long]) = prepared(of, load)?;
+    Ok((Stepper::with_all_powers(scene, short, long).map_err(refuse_step)?, start))
+}
+
 fn run_with<S: Scalar, L: Circuit<S>, const B: usize, const R: usize>(
     setting: Setting<'_, S>,
     model: &BumpStop,
     load: L,
 ) -> Result<Outcome, Failure> {
-    let options = setting.options;
-    let (scene, start, [short, long]) = prepared::<S, L, B, R>((setting.scene, model, options), load)?;
-    if options.bare {
+    let of = (setting.scene, model, setting.options);
+    if setting.options.bare {
+        let (scene, start, [short, long]) = prepared::<S, L, B, R>(of, load)?;
         to_end(setting, model, &Stepper::new(scene, short, long).map_err(refuse_step)?, &start)
     } else {
-        let stepper = Stepper::with_all_powers(scene, short, long).map_err(refuse_step)?;
+        let (stepper, start) = begun::<S, L, B, R>(of, load)?;
         to_end(setting, model, &stepper, &start)
     }
 }
 
 /// The refusal of a length of step by the core.
-pub(super) fn refuse_step<S: Scalar>(error: ParameterError<S>) -> Failure {
+fn refuse_step<S: Scalar>(error: ParameterError<S>) -> Failure {
     Failure::Input(format!("--step, --long-step: {error}"))
 }
 
@@ -221,8 +233,8 @@ fn to_end<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usi
     start: &Start<S, B, R>,
 ) -> Result<Outcome, Failure> {
     let Setting { scene, excitation, .. } = setting;
-    let state = harvester.start(start, &excitation).map_err(|error| refuse_start(scene, &error))?;
-    Run { setting, harvester, report: model, method: METHOD }.measured(state, &scene.run)
+    let mut state = harvester.start(start, &excitation).map_err(|error| refuse_start(scene, &error))?;
+    Run { setting, harvester, report: model, method: METHOD }.measured(&mut state, &scene.run)
 }
 
 impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>

@@ -11,11 +11,11 @@ use model_core::integrate::{ExponentialRadau, Point};
 use model_core::observer::{ALL_POWERS, PowerIndex};
 use model_core::scalar::Mathematics;
 use model_core::scene::Harvester;
-use model_core::scene::bump_stop::{Circuit, Stepper};
+use model_core::scene::bump_stop::Circuit;
 use model_core::scene::rectified::{self, CHARGE, VELOCITY};
 use model_core::snapshot;
 
-use super::bump_stop;
+use super::bump_stop::{self, by_modes};
 use super::excitation::{bridge, with_setting};
 use super::run::BUDGET;
 use super::triboelectric::{STATES, Triboelectric, behind_bridge, prepared};
@@ -107,8 +107,8 @@ pub fn co_simulation<M: Mathematics<f64> + 'static>(scene: &Scene) -> Result<Box
     by_harvester!(scene,
         triboelectric(model) => triboelectric::<M, _>(scene, model),
         bump_stop(model) => match scene.load {
-            Load::Resistor { .. } => beam(scene, model, bump_stop::resistance::<f64>),
-            _ => beam(scene, model, bridge),
+            Load::Resistor { .. } => by_modes!(model, beam::<_>(scene, model, bump_stop::resistance::<f64>)),
+            _ => by_modes!(model, beam::<_>(scene, model, bridge)),
         }
     )
 }
@@ -178,20 +178,7 @@ fn accelerate<A: Automaton<f64, N, ALL_POWERS>, const N: usize>(
     state.point.derivative[VELOCITY] += now - before;
 }
 
-/// The mode counts as those of a run.
-fn beam<L: Circuit<f64> + 'static>(
-    scene: &Scene,
-    model: &BumpStop,
-    load: impl Fn(Load) -> L + 'static,
-) -> Result<Box<dyn CoSimulation>, Failure> {
-    match model.modes() {
-        [..=4, ..=2] => beam_of::<L, 4, 2>(scene, model, load),
-        [..=10, ..=10] => beam_of::<L, 10, 10>(scene, model, load),
-        _ => beam_of::<L, 20, 20>(scene, model, load),
-    }
-}
-
-fn beam_of<L: Circuit<f64> + 'static, const B: usize, const R: usize>(
+fn beam<L: Circuit<f64> + 'static, const B: usize, const R: usize>(
     scene: &Scene,
     model: &BumpStop,
     load: impl Fn(Load) -> L + 'static,
@@ -201,10 +188,7 @@ fn beam_of<L: Circuit<f64> + 'static, const B: usize, const R: usize>(
     let is_resistor = matches!(scene.load, Load::Resistor { .. });
     let build = move |value| {
         let scene = loaded(&scene, value);
-        let (harvester, start, [short, long]) =
-            bump_stop::prepared::<f64, L, B, R>((&scene, &model, &options), load(scene.load))?;
-        let stepper = Stepper::with_all_powers(harvester, short, long).map_err(bump_stop::refuse_step)?;
-        Ok((stepper, start))
+        bump_stop::begun::<f64, L, B, R>((&scene, &model, &options), load(scene.load))
     };
     Stepped::boxed(variables, build, move |build, harvester, state, [before, now]| {
         if before[1] != now[1] && is_resistor {

@@ -3,24 +3,23 @@
 //! The amplitude changes at a zero of the sine, so the acceleration is continuous. The state goes on, so a series of
 //! rising amplitudes follows one steady motion until it ends, and a falling one follows another.
 
-mod beam;
-
 use model_core::clock::Instant;
 use model_core::energy::{RunMeter, RunReport};
 use model_core::excitation::{Excitation, Sine};
 use model_core::integrate::ExponentialRadau;
 use model_core::observer::{Observer, PowerIndex};
 use model_core::scalar::{Polynomial, Scalar};
+use model_core::scene::bump_stop::Circuit;
 use model_core::scene::{Harvester, Scene as CoreScene, rectified};
 use model_core::snapshot::Fingerprint;
 
-use super::bump_stop;
+use super::bump_stop::{begun, by_modes, parameters, resistance};
 use super::excitation::{HostExcitation, Setting, bridge, with_setting};
-use super::run::{BUDGET, refuse_parameter};
+use super::run::{BUDGET, refuse_parameter, refuse_start};
 use super::triboelectric::{STATES, Triboelectric, behind_bridge, prepared};
 use crate::steady_state::{Coordinates, ForcedSystem, MOST_ATTEMPTS, Spent, Total, Verdict, given_up};
 use harvester_scene::method::{Failure, Method, Options, Precision, refuse_first};
-use harvester_scene::scene_file::{Excitation as SceneExcitation, Load, Scene, Tone};
+use harvester_scene::scene_file::{BumpStop, Excitation as SceneExcitation, Load, Scene, Tone};
 
 /// Windows of transient after which a motion that has not settled counts as not periodic.
 const MOST_WINDOWS: usize = 16;
@@ -103,7 +102,7 @@ pub fn with_continuation<R>(
     with_setting::<f64, Polynomial, _>(&scene, options, |setting| {
         by_harvester!(&scene,
             triboelectric(model) => triboelectric(setting, model, frequency_hz, &mut call),
-            bump_stop(model) => beam::continuation(setting, model, frequency_hz, &mut call))
+            bump_stop(model) => beam(setting, model, frequency_hz, &mut call))
     })?;
     found.unwrap_or_else(|| unreachable!("a harvester that started calls once"))
 }
@@ -114,7 +113,7 @@ pub fn fingerprint(scene: &Scene) -> Result<u32, Failure> {
     let mut fingerprint = Fingerprint::new();
     by_harvester!(scene,
         triboelectric(model) => identify(scene, model, &mut fingerprint)?,
-        bump_stop(model) => beam::identify(scene, model, &mut fingerprint)?);
+        bump_stop(model) => identify_beam(scene, model, &mut fingerprint)?);
     if let Some(bridge) = bridge::<f32>(scene.load) {
         fingerprint.numbers(&[bridge.diode_drop]);
     }
@@ -128,6 +127,16 @@ fn identify<T: Triboelectric>(
 ) -> Result<(), Failure> {
     let core = model.core::<f32, Polynomial>(scene)?;
     CoreScene::<f32, STATES, 0>::identify(&core, fingerprint);
+    Ok(())
+}
+
+/// Includes the harvester in `f32` with the modes of its scene, behind a bridge with open terminals.
+fn identify_beam(scene: &Scene, model: &BumpStop, fingerprint: &mut Fingerprint) -> Result<(), Failure> {
+    let [beam, rod] = model.modes();
+    let core = parameters::<f32>(model, scene.load)
+        .build_first::<20, 20>(beam, rod)
+        .map_err(|error| refuse_parameter(scene, &error))?;
+    core.identify_first([beam, rod], fingerprint);
     Ok(())
 }
 
@@ -153,6 +162,35 @@ fn triboelectric<T: Triboelectric>(
     // The voltage of a bus does not change.
     let typical = [&model.typical(prepared.core.harvester())[..], &[1.0]].concat();
     with(Sweep::new(setting, &simulation, start, frequency_hz, is_slider).shooting(typical))
+}
+
+/// A bump-stop scene, with a resistor or behind a bridge.
+fn beam(
+    setting: Setting<'_, f64>,
+    model: &BumpStop,
+    frequency_hz: f64,
+    with: With<'_>,
+) -> Result<(), Failure> {
+    match bridge(setting.scene.load) {
+        Some(bridge) => by_modes!(model, with_modes::<_>(setting, model, frequency_hz, with, bridge)),
+        None => {
+            let load = resistance(setting.scene.load);
+            by_modes!(model, with_modes::<_>(setting, model, frequency_hz, with, load))
+        }
+    }
+}
+
+fn with_modes<L: Circuit<f64>, const B: usize, const R: usize>(
+    setting: Setting<'_, f64>,
+    model: &BumpStop,
+    frequency_hz: f64,
+    with: With<'_>,
+    load: L,
+) -> Result<(), Failure> {
+    let (stepper, start) = begun::<f64, L, B, R>((setting.scene, model, setting.options), load)?;
+    let state =
+        stepper.start(&start, &setting.excitation).map_err(|error| refuse_start(setting.scene, &error))?;
+    with(&mut Sweep::new(setting, &stepper, state, frequency_hz, false))
 }
 
 /// Shoots for the orbit of one period that a motion approaches, from a state of it, with the size of each coordinate in a wide motion.
@@ -354,7 +392,7 @@ pub fn natural_frequency_hz(scene: &Scene) -> Result<f64, Failure> {
             Ok(of(core.angular_frequency().to_f64()))
         },
         bump_stop(model) => {
-            let core = bump_stop::parameters::<f64>(model, Load::Resistor { resistance_ohm: f64::INFINITY })
+            let core = parameters::<f64>(model, Load::Resistor { resistance_ohm: f64::INFINITY })
                 .build_first::<20, 20>(model.parameters.beam_modes, 0)
                 .map_err(|error| refuse_parameter(scene, &error))?;
             Ok(of(core.beam_angular_frequency(0).unwrap_or(f64::NAN)))

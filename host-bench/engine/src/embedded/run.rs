@@ -150,13 +150,8 @@ struct Meters<'a, S: Scalar> {
 }
 
 impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
-    /// The outcome of a run from `state` to the end of `span`.
-    pub(super) fn measured(&self, mut state: H::State, span: &RunSpan) -> Result<Outcome, Failure> {
-        self.measured_to(&mut state, span)
-    }
-
-    /// The same, with the state at the end.
-    pub(super) fn measured_to(&self, state: &mut H::State, span: &RunSpan) -> Result<Outcome, Failure> {
+    /// The outcome of a run from `state` to the end of `span`, at which the state is then.
+    pub(super) fn measured(&self, state: &mut H::State, span: &RunSpan) -> Result<Outcome, Failure> {
         let Self { setting: Setting { scene, options, excitation, .. }, harvester, .. } = *self;
         let outputs = harvester.outputs(state);
         let mut meters = Meters {

@@ -27,12 +27,9 @@ use harvester_scene::scene_file::{Excitation, Load, RunSpan, Scene};
 
 /// One kind of scene, with the orbit that it has found last.
 trait Kind {
-    /// The outcome of one period of the stable orbit to which the motion from the scene's start goes; of the whole run
-    /// where there is none.
-    fn steady(&self, setting: Setting<'_, f64>) -> Result<Outcome, Failure>;
-
     /// The outcome of one period of the stable orbit that continues a remembered one. Where there is none: `None` if `only`
-    /// that is wanted, or else [`Kind::steady`] from the remembered orbit, or from the start without one.
+    /// that is wanted, or else that of the stable orbit to which the motion goes from the remembered one, without one from the
+    /// scene's start; of the whole run where there is none.
     fn resume(
         &self,
         setting: Setting<'_, f64>,
@@ -56,7 +53,8 @@ fn kind<'a, M: Mathematics<f64> + 'a>(scene: &'a Scene) -> Box<dyn Kind + 'a> {
 
 /// The steady state of a scene by shooting; the scene's own run where it has no stable orbit of one period.
 pub(super) fn steady_state<M: Mathematics<f64>>(setting: Setting<'_, f64>) -> Result<Outcome, Failure> {
-    kind::<M>(setting.scene).steady(setting)
+    let found = resume::<M>(setting, None, false)?;
+    Ok(found.unwrap_or_else(|| unreachable!("it is not asked for a continued orbit only")).0)
 }
 
 /// [`Kind::resume`] of a scene.
@@ -145,19 +143,10 @@ fn forced<'a, H>(
     }
 }
 
-/// [`Kind::steady`] for a run from `start` of a harvester whose coordinates are of the size `typical`.
-fn steady<H: Coordinates, R: Report<f64, H>>(
-    run: &Run<'_, f64, H, R>,
-    start: H::State,
-    typical: &[f64],
-) -> Result<Outcome, Failure> {
-    reached(run, start, typical).map(|(outcome, _)| outcome)
-}
-
 /// An outcome, and the motion that it is of.
 type Reached<T> = (Outcome, Known<T>);
 
-/// [`steady`] with the motion that was reached.
+/// The outcome of the motion that a run from `start` of a harvester whose coordinates are of the size `typical` reaches.
 fn reached<H: Coordinates, R: Report<f64, H>>(
     run: &Run<'_, f64, H, R>,
     start: H::State,
@@ -239,7 +228,7 @@ fn described<H: Coordinates, R: Report<f64, H>>(
         }
     };
     let mut end = from;
-    let mut outcome = run.measured_to(&mut end, &span)?;
+    let mut outcome = run.measured(&mut end, &span)?;
     let simulated_s = span.duration_s - run.harvester.clock(&from).seconds::<f64>();
     outcome.steady_state = Some(SteadyState {
         steady_state: verdict.name(),

@@ -200,8 +200,8 @@ impl<'a, S: Scalar, A: Copy, T: Triboelectric> Prepared<'a, S, A, T> {
         A: CoreScene<S, N, ALL_POWERS>,
     {
         by_method!(self, |simulation| {
-            let state = self.start(&simulation, start)?;
-            self.run(&simulation).measured(state, &self.setting.scene.run)
+            let mut state = self.start(&simulation, start)?;
+            self.run(&simulation).measured(&mut state, &self.setting.scene.run)
         })
     }
 

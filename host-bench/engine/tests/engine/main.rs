@@ -3,6 +3,5 @@
 mod peaks;
 mod sliding_sizes;
 mod steady_state;
-mod step_limit;
 mod store_in_loop;
 mod whole_day;

@@ -1,6 +1,9 @@
-//! The peak finder on a response with a known peak; fixed points of a known map.
+//! The peak finder on a response with a known peak; fixed points of a known map; the end of a search by attempted steps.
 
+use harvester_engine::embedded::steady_state;
 use harvester_engine::steady_state::{Map, Response, best_load, resonance};
+use harvester_scene::method::{Failure, Options};
+use harvester_scene::scene_file::read_shipped;
 
 /// An affine map with the eigenvalues 0.999 and ½ ± ½ i.
 fn affine(point: &[f64]) -> Option<Vec<f64>> {
@@ -100,4 +103,16 @@ fn the_peak_of_the_power_is_found() {
     assert!((power.frequency_hz - 20.2).abs() < 1e-4 && (power.value - 1.0).abs() < 1e-6, "{power:?}");
     let without = resonance([19.0, 21.0], 21, false, respond).expect("no error").expect("a peak");
     assert_eq!(without.mean_power, None);
+}
+
+/// A period of 10⁶ s has more steps than a day computes.
+#[test]
+fn a_search_over_a_long_period_is_given_up() {
+    for name in ["contact-separation", "bump-stop"] {
+        let scene = read_shipped(name, &[("excitation.frequency_hz", "1e-6")]).expect("a valid scene");
+        let options = Options { steady_state: true, most_attempts: Some(100_000), ..Options::default() };
+        let found = steady_state(&scene, &options);
+        let Err(Failure::StepLimitExceeded(told)) = found else { panic!("{name}: {found:?}") };
+        assert!(told.contains("given up after 100000 attempted steps"), "{name}: {told}");
+    }
 }

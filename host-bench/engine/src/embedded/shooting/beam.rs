@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use model_core::scene::Harvester as _;
 use model_core::scene::bump_stop::{AnyChoices, BumpStop as Harvester, Circuit, Parts, StateOf, Stepper};
 
-use super::super::bump_stop::{METHOD, Prepared, prepared, refuse_step, resistance};
+use super::super::bump_stop::{METHOD, begun, by_modes, resistance};
 use super::super::excitation::{Setting, bridge};
 use super::super::run::{Run, refuse_start};
-use super::{Kind, Memory, follow, remembered, steady};
+use super::{Kind, Memory, follow, remembered};
 use crate::steady_state::{Coordinates, Orbit, Response, Spent};
 use harvester_scene::method::Failure;
 use harvester_scene::outcome::Outcome;
@@ -54,20 +54,16 @@ struct Beam<'a, L: Circuit<f64>, const B: usize, const R: usize> {
 /// The kind of a bump-stop scene, by its load and its numbers of modes.
 pub(super) fn beam<'a>(scene: &Scene, model: &'a BumpStop) -> Box<dyn Kind + 'a> {
     match scene.load {
-        Load::Resistor { .. } => with_circuit(model, |load| Some(resistance(load))),
-        Load::RectifiedStore(_) | Load::DcBus { .. } => with_circuit(model, bridge),
+        Load::Resistor { .. } => by_modes!(model, boxed::<_>(model, |load| Some(resistance(load)))),
+        Load::RectifiedStore(_) | Load::DcBus { .. } => by_modes!(model, boxed::<_>(model, bridge)),
     }
 }
 
-fn with_circuit<'a, L: Circuit<f64, State: Send + Sync> + 'static>(
+fn boxed<'a, L: Circuit<f64, State: Send + Sync> + 'static, const B: usize, const R: usize>(
     model: &'a BumpStop,
     circuit: fn(Load) -> Option<L>,
 ) -> Box<dyn Kind + 'a> {
-    match model.modes() {
-        [..=4, ..=2] => Box::new(Beam::<L, 4, 2> { model, circuit, known: None }),
-        [..=10, ..=10] => Box::new(Beam::<L, 10, 10> { model, circuit, known: None }),
-        _ => Box::new(Beam::<L, 20, 20> { model, circuit, known: None }),
-    }
+    Box::new(Beam::<L, B, R> { model, circuit, known: None })
 }
 
 /// A stepper with all powers, its state at the start, and the sizes of its coordinates.
@@ -79,10 +75,8 @@ impl<L: Circuit<f64>, const B: usize, const R: usize> Beam<'_, L, B, R> {
         let Setting { scene, options, excitation, .. } = *setting;
         let circuit = (self.circuit)(scene.load)
             .ok_or_else(|| Failure::of_file(scene, "load.kind: must stay the same in a search"))?;
-        let (harvester, start, [short, long]): Prepared<f64, L, B, R> =
-            prepared((scene, self.model, options), circuit)?;
-        let typical = typical(&harvester, self.model, setting);
-        let stepper = Stepper::with_all_powers(harvester, short, long).map_err(refuse_step)?;
+        let (stepper, start) = begun::<f64, L, B, R>((scene, self.model, options), circuit)?;
+        let typical = typical(stepper.scene(), self.model, setting);
         let state = stepper.start(&start, &excitation).map_err(|error| refuse_start(scene, &error))?;
         Ok((stepper, state, typical))
     }
@@ -118,11 +112,6 @@ fn typical<P: Parts<f64>, const B: usize, const R: usize>(
 impl<L: Circuit<f64, State: Send + Sync> + 'static, const B: usize, const R: usize> Kind
     for Beam<'_, L, B, R>
 {
-    fn steady(&self, setting: Setting<'_, f64>) -> Result<Outcome, Failure> {
-        let (stepper, state, typical) = self.begun(&setting)?;
-        steady(&run(&stepper, self.model, setting), state, &typical)
-    }
-
     fn resume(
         &self,
         setting: Setting<'_, f64>,

@@ -10,7 +10,7 @@ use model_core::scene::{Scene as CoreScene, Simulation};
 
 use super::super::excitation::Setting;
 use super::super::triboelectric::{Prepared, STATES, Triboelectric, behind_bridge, by_method, prepared};
-use super::{Kind, Memory, follow, remembered, steady};
+use super::{Kind, Memory, follow, remembered};
 use crate::steady_state::{Coordinates, Orbit, Response, Spent};
 use harvester_scene::method::Failure;
 use harvester_scene::outcome::Outcome;
@@ -80,15 +80,6 @@ where
     A: CoreScene<f64, N, ALL_POWERS, Start = T::Start<f64>> + Copy,
     HybridState<f64, <A as Automaton<f64, N, ALL_POWERS>>::Mode, N, ALL_POWERS>: Send + Sync + 'static,
 {
-    fn steady(&self, setting: Setting<'_, f64>) -> Result<Outcome, Failure> {
-        let prepared = (self.prepare)(setting, self.model)?;
-        let typical = (self.typical)(self.model, &prepared.core);
-        by_method!(prepared, |simulation| {
-            let state = prepared.start(&simulation, &self.model.start())?;
-            steady(&prepared.run(&simulation), state, &typical)
-        })
-    }
-
     fn resume(
         &self,
         setting: Setting<'_, f64>,
