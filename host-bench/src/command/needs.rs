@@ -69,10 +69,10 @@ pub(super) fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     if let Some(file) = &arguments.emit {
         outputs.check("--emit", file)?;
     }
-    if arguments.core.is_some() && scene.excitation.is_recorded() {
-        return Err(Failure::Input("--core: must not be with a recorded acceleration".to_owned()));
-    }
     if arguments.core.is_some() {
+        if scene.excitation.is_recorded() {
+            return Err(Failure::Input("--core: must not be with a recorded acceleration".to_owned()));
+        }
         build::workspace().map_err(|reason| Failure::Input(format!("--core: {reason}")))?;
     }
     let study = Study::with_corners(&scene, &corners(arguments, &scene)?, accuracy)?;

@@ -88,23 +88,27 @@ const FORCE_LAWS: [&str; 2] = ["transferred-charge", "gap-field"];
 /// The law without a force: the motion does not depend on the circuit, so that few cases show it.
 const NO_FORCE: &str = "none";
 
+/// Each case with each of these values of a key; the first key varies slowest.
+fn each(cases: &[Case], key: &str, values: &[f64]) -> Vec<Case> {
+    cases.iter().flat_map(|case| values.iter().map(|value| case.clone().with_number(key, *value))).collect()
+}
+
+/// Each case with each of these words of a key.
+fn each_word(cases: &[Case], key: &str, words: &[&str]) -> Vec<Case> {
+    cases.iter().flat_map(|case| words.iter().map(|word| case.clone().with(key, word))).collect()
+}
+
+/// Each case under both force laws.
+fn each_law(cases: &[Case]) -> Vec<Case> {
+    each_word(cases, "parameters.force_law", &FORCE_LAWS)
+}
+
 /// Charges at the start that small loads take up within nanoseconds, in a triboelectric scene.
 fn start_charges(base: &Case) -> Vec<Case> {
-    let mut settings = Vec::new();
-    for charge_c in [1e-8, -1e-9] {
-        for resistance_ohm in [0.1, 10.0, 1e3, 1e6] {
-            for law in FORCE_LAWS {
-                let case = base
-                    .clone()
-                    .with_number("initial.charge_c", charge_c)
-                    .with_number("load.resistance_ohm", resistance_ohm)
-                    .with("parameters.force_law", law);
-                // The charge is delivered at the start, which the window contains.
-                settings.push(case.with("run", "{duration_periods=16,settle_periods=0}"));
-            }
-        }
-    }
-    settings
+    let charged = each(std::slice::from_ref(base), "initial.charge_c", &[1e-8, -1e-9]);
+    let cases = each_law(&each(&charged, "load.resistance_ohm", &[0.1, 10.0, 1e3, 1e6]));
+    // The charge is delivered at the start, which the window contains.
+    each_word(&cases, "run", &["{duration_periods=16,settle_periods=0}"])
 }
 
 /// The scene with each of these storages, with and without a start voltage.

@@ -1,6 +1,8 @@
 //! The contact-separation cases.
 
-use super::{Extent, FORCE_LAWS, Kind, NO_FORCE, noise, shipped, start_charges, stores};
+use super::{
+    Extent, FORCE_LAWS, Kind, NO_FORCE, each, each_law, each_word, noise, shipped, start_charges, stores,
+};
 use crate::stability::Case;
 
 /// Periods of the base that a case runs, and after which it is measured: sixteen are, one for each part of the window.
@@ -45,64 +47,38 @@ fn over(case: Case, duration_s: f64) -> Case {
 
 /// Load resistance against charge density, force law, parasitic capacitance and restitution.
 fn resistances(extent: Extent) -> Vec<Case> {
-    let mut settings = Vec::new();
-    for decade in extent.thinned(&DECADES, 3) {
-        for density in extent.thinned(&DENSITIES, 2) {
-            for law in FORCE_LAWS {
-                for parasitic in extent.thinned(&PARASITICS, 2) {
-                    for restitution in extent.thinned(&RESTITUTIONS, 2) {
-                        let case = base()
-                            .with_number("load.resistance_ohm", 10_f64.powi(decade))
-                            .with_number("parameters.charge_density_c_per_m2", density)
-                            .with("parameters.force_law", law)
-                            .with_number("parameters.parasitic_capacitance_f", parasitic)
-                            .with(
-                                "parameters.restitution",
-                                format_args!("{{kind=\"constant\",coefficient={restitution}}}"),
-                            );
-                        settings.push(periods(case));
-                    }
-                }
-            }
-        }
-    }
-    settings
+    let ohms: Vec<f64> = extent.thinned(&DECADES, 3).into_iter().map(|decade| 10_f64.powi(decade)).collect();
+    let loads = each(&[base()], "load.resistance_ohm", &ohms);
+    let charged = each(&loads, "parameters.charge_density_c_per_m2", &extent.thinned(&DENSITIES, 2));
+    let parasitics = extent.thinned(&PARASITICS, 2);
+    let cases = each(&each_law(&charged), "parameters.parasitic_capacitance_f", &parasitics);
+    let constant = |coefficient: f64| format!("{{kind=\"constant\",coefficient={coefficient}}}");
+    let restitutions: Vec<String> = extent.thinned(&RESTITUTIONS, 2).into_iter().map(constant).collect();
+    let restitutions: Vec<&str> = restitutions.iter().map(String::as_str).collect();
+    each_word(&cases, "parameters.restitution", &restitutions).into_iter().map(periods).collect()
 }
 
 /// Load resistance against the frequency of the base, from slow to fast.
 fn frequencies() -> Vec<Case> {
-    let mut settings = Vec::new();
-    for frequency_hz in FREQUENCIES {
-        for resistance_ohm in LOADS {
-            let without = FORCELESS.contains(&frequency_hz).then_some(NO_FORCE);
-            for law in FORCE_LAWS.into_iter().chain(without) {
-                let case = base()
-                    .with_number("load.resistance_ohm", resistance_ohm)
-                    .with_number("excitation.frequency_hz", frequency_hz)
-                    .with("parameters.force_law", law);
-                settings.push(periods(case));
-            }
-        }
-    }
-    settings
+    let of = |frequency_hz: f64| {
+        let loads = each(&[base()], "load.resistance_ohm", &LOADS);
+        let cases = each(&loads, "excitation.frequency_hz", &[frequency_hz]);
+        let without = FORCELESS.contains(&frequency_hz).then_some(NO_FORCE);
+        let laws: Vec<&str> = FORCE_LAWS.into_iter().chain(without).collect();
+        each_word(&cases, "parameters.force_law", &laws)
+    };
+    FREQUENCIES.into_iter().flat_map(of).map(periods).collect()
 }
 
 /// Motions far below the gap.
 fn small_motions() -> Vec<Case> {
-    let mut settings = Vec::new();
-    for (amplitude_g, frequency_hz) in [(1e-3, 5.0), (1e-3, 40.0), (1e-5, 20.0)] {
-        for resistance_ohm in [1e3, 1e6, 1e8] {
-            for law in FORCE_LAWS {
-                let case = base()
-                    .with_number("excitation.amplitude_g", amplitude_g)
-                    .with_number("excitation.frequency_hz", frequency_hz)
-                    .with_number("load.resistance_ohm", resistance_ohm)
-                    .with("parameters.force_law", law);
-                settings.push(periods(case));
-            }
-        }
-    }
-    settings
+    let of = |(amplitude_g, frequency_hz)| {
+        let moved = base()
+            .with_number("excitation.amplitude_g", amplitude_g)
+            .with_number("excitation.frequency_hz", frequency_hz);
+        each_law(&each(&[moved], "load.resistance_ohm", &[1e3, 1e6, 1e8]))
+    };
+    [(1e-3, 5.0), (1e-3, 40.0), (1e-5, 20.0)].into_iter().flat_map(of).map(periods).collect()
 }
 
 fn storages() -> Vec<Case> {

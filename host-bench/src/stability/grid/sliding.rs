@@ -1,6 +1,8 @@
 //! The sliding cases.
 
-use super::{Extent, FORCE_LAWS, Kind, NO_FORCE, noise, shipped, start_charges, stores};
+use super::{
+    Extent, FORCE_LAWS, Kind, NO_FORCE, each, each_law, each_word, noise, shipped, start_charges, stores,
+};
 use crate::stability::Case;
 
 /// Load resistances in Ω, both limits among them.
@@ -61,52 +63,27 @@ fn rubbing(case: Case, friction: f64) -> Case {
 
 /// Load resistance against charge density, force law, stick charge, friction and base.
 fn resistances(extent: Extent) -> Vec<Case> {
-    let mut settings = Vec::new();
-    for resistance_ohm in extent.thinned(&RESISTANCES, 2) {
-        for density in extent.thinned(&DENSITIES, 2) {
-            for law in FORCE_LAWS {
-                for stick_charge in extent.thinned(&STICK_CHARGES, 2) {
-                    for friction in FRICTIONS {
-                        let case = base()
-                            .with_number("load.resistance_ohm", resistance_ohm)
-                            .with_number("parameters.charge_density_c_per_m2", density)
-                            .with("parameters.force_law", law)
-                            .with("parameters.stick_charge", stick_charge);
-                        let case = rubbing(case, friction);
-                        settings.extend(DRIVES.map(|drive| driven(case.clone(), drive)));
-                    }
-                }
-            }
-        }
-    }
-    settings
+    let loads = each(&[base()], "load.resistance_ohm", &extent.thinned(&RESISTANCES, 2));
+    let charged = each(&loads, "parameters.charge_density_c_per_m2", &extent.thinned(&DENSITIES, 2));
+    let stick_charges = extent.thinned(&STICK_CHARGES, 2);
+    let cases = each_word(&each_law(&charged), "parameters.stick_charge", &stick_charges);
+    let rubbed = cases.into_iter().flat_map(|case| FRICTIONS.map(|friction| rubbing(case.clone(), friction)));
+    rubbed.flat_map(|case| DRIVES.map(|drive| driven(case.clone(), drive))).collect()
 }
 
 /// Load resistance against base, without an electrostatic force.
 fn forceless() -> Vec<Case> {
-    let mut settings = Vec::new();
-    for resistance_ohm in [1.0, 1e6, 1e8] {
-        let case = base().with_number("load.resistance_ohm", resistance_ohm);
-        let case = rubbing(case.with("parameters.force_law", NO_FORCE), FRICTIONS[2]);
-        settings.extend(DRIVES.map(|drive| driven(case.clone(), drive)));
-    }
-    settings
+    let loads = each(&[base()], "load.resistance_ohm", &[1.0, 1e6, 1e8]);
+    let cases = each_word(&loads, "parameters.force_law", &[NO_FORCE]).into_iter();
+    let rubbed = cases.map(|case| rubbing(case, FRICTIONS[2]));
+    rubbed.flat_map(|case| DRIVES.map(|drive| driven(case.clone(), drive))).collect()
 }
 
 /// Motions far below the radius of the patch, with little friction.
 fn small_motions() -> Vec<Case> {
-    let mut settings = Vec::new();
-    for resistance_ohm in [1e3, 1e6, 1e9] {
-        for law in FORCE_LAWS {
-            for friction in [0.0, 1e-4] {
-                let case = base()
-                    .with_number("load.resistance_ohm", resistance_ohm)
-                    .with("parameters.force_law", law);
-                settings.push(driven(rubbing(case, friction), [0.00981, 5.0]));
-            }
-        }
-    }
-    settings
+    let cases = each_law(&each(&[base()], "load.resistance_ohm", &[1e3, 1e6, 1e9])).into_iter();
+    let rubbed = cases.flat_map(|case| [0.0, 1e-4].map(|friction| rubbing(case.clone(), friction)));
+    rubbed.map(|case| driven(case, [0.00981, 5.0])).collect()
 }
 
 fn storages() -> Vec<Case> {
