@@ -21,13 +21,23 @@ pub mod node;
 pub mod stop;
 pub mod workload;
 
-/// What a binary says when it was built for the host.
-pub const HOW_TO_BUILD: &str = "\
+/// The `main` of a binary for bare metal where it was built for the host: it says how to build it.
+#[macro_export]
+macro_rules! main_on_host {
+    () => {
+        #[cfg(not(target_os = "none"))]
+        fn main() {
+            println!(
+                "\
 This is firmware, and this was built for the host. To build it for the default board:
     rustup target add thumbv7em-none-eabihf
     cargo build --release -p firmware-example --target thumbv7em-none-eabihf
 To build and run it on every core under QEMU:
-    cargo run --release -p host-bench -- on-target";
+    cargo run --release -p host-bench -- on-target"
+            );
+        }
+    };
+}
 
 #[cfg(test)]
 mod tests;

@@ -36,7 +36,4 @@ fn main() -> ! {
     firmware_example::measure::run(VARIANT.workloads)
 }
 
-#[cfg(not(target_os = "none"))]
-fn main() {
-    println!("{}", firmware_example::HOW_TO_BUILD);
-}
+firmware_example::main_on_host!();

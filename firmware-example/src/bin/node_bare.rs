@@ -47,7 +47,4 @@ mod target {
     }
 }
 
-#[cfg(not(target_os = "none"))]
-fn main() {
-    println!("{}", firmware_example::HOW_TO_BUILD);
-}
+firmware_example::main_on_host!();

@@ -14,7 +14,4 @@ fn main() -> ! {
     firmware_example::node::bare::simulated::measure()
 }
 
-#[cfg(not(target_os = "none"))]
-fn main() {
-    println!("{}", firmware_example::HOW_TO_BUILD);
-}
+firmware_example::main_on_host!();

@@ -94,7 +94,4 @@ mod board {
     }
 }
 
-#[cfg(not(target_os = "none"))]
-fn main() {
-    println!("{}", firmware_example::HOW_TO_BUILD);
-}
+firmware_example::main_on_host!();
