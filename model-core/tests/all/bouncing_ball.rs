@@ -9,11 +9,11 @@
 //! accumulation point in a mode of rest; without one the driver returns [`StepFailure::EventStorm`] at the
 //! accumulation point.
 
-use crate::common::{Leap, Problem, Run, exact_seconds, precision};
+use crate::common::{Leap, Problem, Run, adaptive, exact_seconds, fixed, precision};
 use model_core::clock::{LONGEST_STEP_S, TICKS_PER_SECOND};
 use model_core::excitation::Silence;
 use model_core::hybrid::StepFailure;
-use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::integrate::{Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::part::GRAVITY;
 use model_core::scalar::Scalar;
 
@@ -160,20 +160,18 @@ fn drop_to_rest<S: Scalar>(
 fn impact_times_are_exact_until_the_ball_rests_before_zeno_time() {
     assert!((Exact::of::<f64>().zeno() - ZENO).abs() < 1e-14);
     let step = 3.9e-3;
-    let fixed = FixedStep::of_seconds(step).expect("in bounds");
     for stick_speed in [1e-2, 1e-6] {
         // To the tick in double precision.
-        let (late, adaptive) = (1.5 * TICK, Adaptive::new(1e-4).expect("in bounds"));
-        drop_to_rest::<f64>("TR-BDF2 fixed", TrBdf2, fixed, stick_speed, late);
-        drop_to_rest::<f64>("TR-BDF2 adaptive", TrBdf2, adaptive, stick_speed, late);
-        drop_to_rest::<f64>("RK4 fixed", RungeKutta4, fixed, stick_speed, late);
+        let late = 1.5 * TICK;
+        drop_to_rest::<f64>("TR-BDF2 fixed", TrBdf2, fixed(step), stick_speed, late);
+        drop_to_rest::<f64>("TR-BDF2 adaptive", TrBdf2, adaptive(1e-4), stick_speed, late);
+        drop_to_rest::<f64>("RK4 fixed", RungeKutta4, fixed(step), stick_speed, late);
         // To a few roundings of the step in single. Without an error, adaptive steps grow to the longest of the clock.
         let late_after = |step: f64| 16.0 * f64::from(f32::EPSILON) * step;
         let (late, longest) = (late_after(step), late_after(LONGEST_STEP_S));
-        let adaptive = Adaptive::new(1e-4).expect("in bounds");
-        drop_to_rest::<f32>("TR-BDF2 fixed", TrBdf2, fixed, stick_speed, late);
-        drop_to_rest::<f32>("TR-BDF2 adaptive", TrBdf2, adaptive, stick_speed, longest);
-        drop_to_rest::<f32>("RK4 fixed", RungeKutta4, fixed, stick_speed, late);
+        drop_to_rest::<f32>("TR-BDF2 fixed", TrBdf2, fixed(step), stick_speed, late);
+        drop_to_rest::<f32>("TR-BDF2 adaptive", TrBdf2, adaptive(1e-4), stick_speed, longest);
+        drop_to_rest::<f32>("RK4 fixed", RungeKutta4, fixed(step), stick_speed, late);
     }
 }
 
@@ -214,8 +212,8 @@ fn without_a_rule_for_rest_the_accumulation_is_named() {
     // Each of 162 impacts is late by up to 1.5 ticks. What the ball fell too long it keeps as speed, and all later
     // flights are longer by 2 e / (1 − e) times the delay.
     let late = 162.0 * 1.5 * TICK * (1.0 + 2.0 * RESTITUTION / (1.0 - RESTITUTION));
-    storm::<f64>(FixedStep::of_seconds(1e-3).expect("in bounds"), late);
-    storm::<f64>(Adaptive::new(1e-5).expect("in bounds"), late);
-    storm::<f32>(FixedStep::of_seconds(1e-3).expect("in bounds"), 5e-6);
-    storm::<f32>(Adaptive::new(1e-5).expect("in bounds"), 5e-6);
+    storm::<f64>(fixed(1e-3), late);
+    storm::<f64>(adaptive(1e-5), late);
+    storm::<f32>(fixed(1e-3), 5e-6);
+    storm::<f32>(adaptive(1e-5), 5e-6);
 }

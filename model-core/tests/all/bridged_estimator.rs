@@ -1,9 +1,9 @@
 //! The estimator for harvesters behind a bridge: its sums, its snapshots, and the refusal of foreign snapshots.
 
-use crate::common::finished;
 use crate::common::harvesters::{
     Bump, Contact, bump, bump_parameters_into, contact_parameters, sine_samples,
 };
+use crate::common::{adaptive, finished};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled};
 use model_core::integrate::{Adaptive, TrBdf2};
@@ -42,7 +42,7 @@ fn scene(bridge: Bridge) -> Bridged {
 }
 
 fn hybrid(bridge: Bridge) -> Hybrid {
-    Simulation::new(scene(bridge), TrBdf2, Adaptive::new(5e-2).expect("in bounds"))
+    Simulation::new(scene(bridge), TrBdf2, adaptive(5e-2))
 }
 
 fn modal(bridge: Bridge) -> Stepper<f32, AnyChoices<f32, Bridge>, 4, 1> {

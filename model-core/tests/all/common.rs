@@ -9,8 +9,9 @@ use model_core::clock::{Instant, TICKS_PER_SECOND};
 use model_core::energy::estimator::{EstimatorError, Progress};
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, Ended, Guard, HybridState, InputAt, Jump, StepError, Work};
-use model_core::integrate::ErrorScale;
-use model_core::integrate::{DenseFactor, Method, Point, StepControl, System};
+use model_core::integrate::{
+    Adaptive, DenseFactor, ErrorScale, FixedStep, Method, Point, StepControl, System,
+};
 use model_core::observer::{AcceptedStep, Event, Observer, Outputs, PowerIndex};
 use model_core::scalar::Scalar;
 
@@ -294,6 +295,16 @@ where
     pub(crate) fn entry(&self, index: usize) -> f64 {
         self.state.point.state[index].to_f64() + self.state.point.remainder[index].to_f64()
     }
+}
+
+/// Adaptive steps of a relative tolerance.
+pub(crate) fn adaptive<S: Scalar>(tolerance: S) -> Adaptive<S> {
+    Adaptive::new(tolerance).expect("in bounds")
+}
+
+/// Steps of so many seconds.
+pub(crate) fn fixed<S: Scalar>(seconds: S) -> FixedStep {
+    FixedStep::of_seconds(seconds).expect("in bounds")
 }
 
 /// A name for tables: `f32` or `f64`.

@@ -8,10 +8,10 @@
 //!
 //! Asserted: positions, times, modes and number of events, in both precisions, for both methods.
 
-use crate::common::{Leap, Problem, Run, precision};
+use crate::common::{Leap, Problem, Run, adaptive, fixed, precision};
 use model_core::clock::LONGEST_STEP_S;
 use model_core::excitation::Silence;
-use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::integrate::{Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::scalar::Scalar;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -135,13 +135,13 @@ fn coulomb<S: Scalar>(name: &str, method: impl Method<S>, control: impl StepCont
 #[test]
 fn a_coulomb_slider_turns_three_times_and_sticks_for_ever() {
     let step = 3.9e-3;
-    coulomb::<f64>("TR-BDF2 fixed", TrBdf2, FixedStep::of_seconds(step).expect("in bounds"), 1e-5);
-    coulomb::<f32>("TR-BDF2 fixed", TrBdf2, FixedStep::of_seconds(step).expect("in bounds"), 1e-5);
-    coulomb::<f64>("RK4 fixed", RungeKutta4, FixedStep::of_seconds(step).expect("in bounds"), 1e-10);
-    coulomb::<f32>("RK4 fixed", RungeKutta4, FixedStep::of_seconds(step).expect("in bounds"), 2e-6);
-    coulomb::<f64>("adaptive 1e-7", TrBdf2, Adaptive::new(1e-7).expect("in bounds"), 1e-6);
+    coulomb::<f64>("TR-BDF2 fixed", TrBdf2, fixed(step), 1e-5);
+    coulomb::<f32>("TR-BDF2 fixed", TrBdf2, fixed(step), 1e-5);
+    coulomb::<f64>("RK4 fixed", RungeKutta4, fixed(step), 1e-10);
+    coulomb::<f32>("RK4 fixed", RungeKutta4, fixed(step), 2e-6);
+    coulomb::<f64>("adaptive 1e-7", TrBdf2, adaptive(1e-7), 1e-6);
     let late = late_with_longest_steps(3.0 * core::f64::consts::PI);
-    coulomb::<f32>("adaptive 1e-6", TrBdf2, Adaptive::new(1e-6).expect("in bounds"), 1.05 * late);
+    coulomb::<f32>("adaptive 1e-6", TrBdf2, adaptive(1e-6), 1.05 * late);
 }
 
 const BELT: Slider = Slider { base_speed: 0.2, at_rest: 1.0, sliding: 0.5 };
@@ -181,11 +181,11 @@ fn belt<S: Scalar>(name: &str, method: impl Method<S>, control: impl StepControl
 fn a_block_on_a_belt_sticks_and_slips_with_the_exact_period() {
     assert!((2.0 * (core::f64::consts::PI - 2.5f64.atan()) - SLIP_TIME).abs() < 1e-14);
     let step = 3.9e-3;
-    belt::<f64>("TR-BDF2 fixed", TrBdf2, FixedStep::of_seconds(step).expect("in bounds"), 1e-5);
-    belt::<f32>("TR-BDF2 fixed", TrBdf2, FixedStep::of_seconds(step).expect("in bounds"), 1e-5);
-    belt::<f64>("RK4 fixed", RungeKutta4, FixedStep::of_seconds(step).expect("in bounds"), 1e-10);
-    belt::<f32>("RK4 fixed", RungeKutta4, FixedStep::of_seconds(step).expect("in bounds"), 2e-6);
-    belt::<f64>("adaptive 1e-7", TrBdf2, Adaptive::new(1e-7).expect("in bounds"), 1e-6);
+    belt::<f64>("TR-BDF2 fixed", TrBdf2, fixed(step), 1e-5);
+    belt::<f32>("TR-BDF2 fixed", TrBdf2, fixed(step), 1e-5);
+    belt::<f64>("RK4 fixed", RungeKutta4, fixed(step), 1e-10);
+    belt::<f32>("RK4 fixed", RungeKutta4, fixed(step), 2e-6);
+    belt::<f64>("adaptive 1e-7", TrBdf2, adaptive(1e-7), 1e-6);
     let late = late_with_longest_steps(SLIP_TIME);
-    belt::<f32>("adaptive 1e-6", TrBdf2, Adaptive::new(1e-6).expect("in bounds"), 1.05 * late);
+    belt::<f32>("adaptive 1e-6", TrBdf2, adaptive(1e-6), 1.05 * late);
 }

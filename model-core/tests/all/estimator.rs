@@ -6,13 +6,13 @@ mod long_running;
 mod uncertainty;
 
 use crate::common::harvesters::{bump, contact, sine_samples, slide, sliding_parameters};
-use crate::common::{Random, finished};
+use crate::common::{Random, adaptive, finished, fixed};
 use model_core::clock::Instant;
 use model_core::energy::estimator::{EstimatorError, Interpolation, Sample, SampleFormat, Settings};
 use model_core::energy::{Estimate, Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled, Stream};
 use model_core::hybrid::{Driver, StepFailure};
-use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::integrate::{Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::part::GRAVITY;
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{self, AnyContact, Restitution};
@@ -96,11 +96,11 @@ fn same_bits_of_the_hybrid_scenes<S: Scalar>() {
     for rate in [400.0, 333.3, 1600.0] {
         let count = (3.0 * rate) as u32;
         let samples = sine_samples::<S>(1.962, 20.0, rate, count);
-        let adaptive = Adaptive::new(S::from_f64(5e-2)).expect("in bounds");
+        let adaptive = adaptive(S::from_f64(5e-2));
         same_bits_as_a_trace(contact::<S>(), TrBdf2, adaptive, rate, &samples);
         let samples = sine_samples::<S>(0.36 * GRAVITY, 18.373, rate, count);
         same_bits_as_a_trace(slide::<S>(), TrBdf2, adaptive, rate, &samples);
-        let fixed = FixedStep::of_seconds(S::from_f64(1e-3)).expect("in bounds");
+        let fixed = fixed(S::from_f64(1e-3));
         same_bits_as_a_trace(slide::<S>(), RungeKutta4, fixed, rate, &samples);
     }
 }
@@ -183,7 +183,7 @@ fn by_budgets<H: Harvester<f32>>(
 #[test]
 fn budgets_change_no_bit_and_are_kept() {
     let samples = sine_samples::<f32>(1.962, 20.0, 100.0, 300);
-    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(1e-3).expect("in bounds"));
+    let harvester = hybrid(contact::<f32>(), TrBdf2, adaptive(1e-3));
     let mut whole = Estimator::new(harvester, settings(100.0)).expect("valid");
     follow(&mut whole, &samples);
     let (divided, resumed) = by_budgets(harvester, 100.0, &samples, 5);
@@ -203,7 +203,7 @@ fn budgets_change_no_bit_and_are_kept() {
 fn counts_are_the_accelerations_they_stand_for() {
     let scale = GRAVITY as f32 / 16_384.0;
     let counts: Vec<i16> = sine_samples::<f64>(3277.0, 20.0, 400.0, 800).iter().map(|&a| a as i16).collect();
-    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2).expect("in bounds"));
+    let harvester = hybrid(contact::<f32>(), TrBdf2, adaptive(5e-2));
     let format = SampleFormat::counts(scale, 32_767);
     let mut raw = Estimator::new(harvester, Settings { format, ..settings(400.0) }).expect("valid");
     let format = SampleFormat::accelerations(f32::INFINITY, scale);
@@ -220,7 +220,7 @@ fn counts_are_the_accelerations_they_stand_for() {
 fn a_short_gap_is_a_straight_line() {
     // A zigzag whose corners are eight samples apart, on binary fractions: what is lost lies on the line exactly.
     let zigzag = |n: u32| f64::from(4 - (n % 16).abs_diff(8) as i32) * 0.5;
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, adaptive(1e-2));
     let mut whole = Estimator::new(harvester, settings(256.0)).expect("valid");
     let mut gappy = Estimator::new(harvester, settings(256.0)).expect("valid");
     let (mut lost, mut gaps) = (0, 0);
@@ -251,7 +251,7 @@ fn a_short_gap_is_a_straight_line() {
 #[test]
 fn a_long_gap_is_unknown_and_the_harvester_starts_anew() {
     let samples = sine_samples::<f64>(1.962, 20.0, 256.0, 1000);
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, adaptive(1e-2));
     let settled = Settings { settling_seconds: 0.5, ..settings(256.0) };
     let mut estimator = Estimator::new(harvester, settled).expect("valid");
     let before = follow(&mut estimator, &samples[..500]);
@@ -283,7 +283,7 @@ fn a_long_gap_is_unknown_and_the_harvester_starts_anew() {
 
 #[test]
 fn saturated_samples_are_cut_off_counted_and_uncertain() {
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, adaptive(1e-2));
     let limited = Settings { format: SampleFormat::accelerations(1.5, 0.0), ..settings(256.0) };
     let mut estimator = Estimator::new(harvester, limited).expect("valid");
     let mut clipped = Estimator::new(harvester, settings(256.0)).expect("valid");
@@ -302,7 +302,7 @@ fn saturated_samples_are_cut_off_counted_and_uncertain() {
 #[test]
 fn sequence_numbers_find_what_was_lost() {
     let samples = sine_samples::<f32>(1.962, 20.0, 400.0, 900);
-    let harvester = hybrid(contact::<f32>(), TrBdf2, Adaptive::new(5e-2).expect("in bounds"));
+    let harvester = hybrid(contact::<f32>(), TrBdf2, adaptive(5e-2));
     let mut numbered = Estimator::new(harvester, settings(400.0)).expect("valid");
     let mut told = Estimator::new(harvester, settings(400.0)).expect("valid");
     // Starts near the end of the numbers, so that they wrap.
@@ -336,7 +336,7 @@ fn sequence_numbers_find_what_was_lost() {
 
 #[test]
 fn every_interval_is_integrated_or_unknown() {
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(5e-2).expect("in bounds"));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, adaptive(5e-2));
     let mut random = Random(11);
     for _ in 0..40 {
         let mut estimator = Estimator::new(harvester, settings(256.0)).expect("valid");
@@ -381,7 +381,7 @@ fn a_step_that_cannot_be_taken_is_an_error_once() {
     parameters.choices.friction =
         PatchFriction { static_active: 0.0, static_inert: 0.0, kinetic_active: 0.0, kinetic_inert: 0.0 };
     let scene = parameters.build().expect("in bounds");
-    let harvester = hybrid(scene, TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
+    let harvester = hybrid(scene, TrBdf2, adaptive(1e-2));
     let mut estimator = Estimator::new(harvester, settings(256.0)).expect("valid");
     let samples = sine_samples::<f64>(0.5, 17.0, 256.0, 600);
     let before = follow(&mut estimator, &samples[..300]);
@@ -409,7 +409,7 @@ fn a_step_that_cannot_be_taken_is_an_error_once() {
 #[test]
 fn clearing_begins_a_new_account_and_leaves_the_motion() {
     let samples = sine_samples::<f64>(1.962, 20.0, 256.0, 1200);
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, adaptive(1e-2));
     let mut estimator = Estimator::new(harvester, settings(256.0)).expect("valid");
     let mut whole = estimator;
     let first = follow(&mut estimator, &samples[..600]);
@@ -424,7 +424,7 @@ fn clearing_begins_a_new_account_and_leaves_the_motion() {
 
 #[test]
 fn settings_out_of_bounds_are_named() {
-    let harvester = hybrid(contact::<f64>(), TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
+    let harvester = hybrid(contact::<f64>(), TrBdf2, adaptive(1e-2));
     let refused = |settings: Settings<f64>| match Estimator::new(harvester, settings) {
         Err(EstimatorError::Parameter(error)) => Some(error.field),
         _ => None,

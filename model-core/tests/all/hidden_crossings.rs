@@ -7,11 +7,11 @@
 //! * A guard that starts at zero after a jump does not fire at once, also with zero rate.
 //! * The bits of a run do not depend on its division by budgets and pauses.
 
-use crate::common::{Leap, Log, Machine, Problem, Run, precision};
+use crate::common::{Leap, Log, Machine, Problem, Run, fixed, precision};
 use model_core::clock::{Instant, TICKS_PER_SECOND};
 use model_core::excitation::Silence;
 use model_core::hybrid::{Driver, Ended, HybridState};
-use model_core::integrate::{FixedStep, Method, RungeKutta4, TrBdf2};
+use model_core::integrate::{Method, RungeKutta4, TrBdf2};
 use model_core::scalar::Scalar;
 
 /// Radians in a second of the clock: a step of 0.4 rad is 0.4 ms.
@@ -81,7 +81,7 @@ fn pass<S: Scalar>(graze: Graze, method: impl Method<S>, phase: f64, step: f64) 
     } else {
         [phase.cos(), -phase.sin()]
     };
-    let control = FixedStep::of_seconds(S::from_f64(step / PACE)).expect("in bounds");
+    let control = fixed(S::from_f64(step / PACE));
     let mut run = Run::start(graze, Side::Below, start.map(S::from_f64), Silence, method, control);
     let work = run.to((step - 2.0 * phase) / PACE).expect("smooth");
     assert!(work.steps + work.locating < 100, "{work:?}");
@@ -216,7 +216,7 @@ impl<S: Scalar> Problem<S, 1> for Walk<'_> {
 
 /// Guards and positions, in order, at which a walk from −1 to 1 in one step passes the fences.
 fn walk<S: Scalar>(fences: &[fn(f64) -> [f64; 2]], method: impl Method<S>) -> Vec<(usize, f64)> {
-    let control = FixedStep::of_seconds(S::from_f64(2.0 / PACE)).expect("in bounds");
+    let control = fixed(S::from_f64(2.0 / PACE));
     let mut run = Run::start(Walk { fences }, 0, [-S::ONE], Silence, method, control);
     let work = run.to(2.0 / PACE).expect("smooth");
     assert!(work.steps + work.locating < 30 * (1 + fences.len() as u32), "{work:?}");
@@ -279,7 +279,7 @@ fn a_graze_made_up_twice_neither_loses_an_event_nor_depends_on_the_budget() {
     assert_order_of_time::<f32>(&fences, &[(1, -0.3)]);
     let ticks = |budget: u32| {
         let walk = Machine(Walk { fences: &fences });
-        let driver = Driver::new(TrBdf2, FixedStep::of_seconds(2.0 / PACE).expect("in bounds"));
+        let driver = Driver::new(TrBdf2, fixed(2.0 / PACE));
         let mut state = HybridState::start(&walk, 0, [-1.0_f64], &Silence, &driver.control);
         let mut log = Log::new();
         let until = Instant::from_seconds(2.0 / PACE).expect("in range");

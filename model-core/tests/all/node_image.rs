@@ -1,7 +1,7 @@
 //! One image of all that a node learns: budget with income by slot, estimator and bank of lines.
 
 use crate::common::harvesters::{Contact, contact, sine_samples};
-use crate::common::{Random, finished};
+use crate::common::{Random, adaptive, finished};
 use model_core::energy::estimator::{Interpolation, SampleFormat, Settings};
 use model_core::energy::{
     Budget, BudgetParameters, BudgetState, Capacitor, Estimator, IncomeParameters, StorageParameters,
@@ -83,7 +83,7 @@ impl<S: Scalar> Node<S> {
         };
         let standing_power = number(numbers.standing_power);
         let budget = BudgetParameters { storage, income, standing_power }.build().expect("in bounds");
-        let control = Adaptive::new(number(numbers.tolerance)).expect("in bounds");
+        let control = adaptive(number(numbers.tolerance));
         let settings = Settings {
             format: SampleFormat::accelerations(number(60.0), number(0.0)),
             longest_gap: numbers.longest_gap,

@@ -5,8 +5,8 @@
 //! stiffness, which requires a filtered error estimate (Hosea and Shampine, Appl. Numer. Math. 20, 1996); and
 //! L-stability.
 
-use crate::common::{Given, Problem, Run, table};
-use model_core::integrate::{Adaptive, FixedStep, StepControl, TrBdf2};
+use crate::common::{Given, Problem, Run, adaptive, fixed, table};
+use model_core::integrate::{StepControl, TrBdf2};
 use model_core::scalar::Scalar;
 
 /// `y' = λ y + u` with `u = −λ cos t − sin t`.
@@ -55,10 +55,8 @@ fn prothero_robinson_keeps_its_order_however_stiff() {
     for power in 0..=6 {
         let lambda = -10f64.powi(power);
         let steps = [128, 256, 512].map(|steps| 10.0 / PACE / f64::from(steps));
-        let double = steps
-            .map(|h| prothero_robinson::<f64>(lambda, 0.0, FixedStep::of_seconds(h).expect("in bounds")).0);
-        let single = steps
-            .map(|h| prothero_robinson::<f32>(lambda, 0.0, FixedStep::of_seconds(h).expect("in bounds")).0);
+        let double = steps.map(|h| prothero_robinson::<f64>(lambda, 0.0, fixed(h)).0);
+        let single = steps.map(|h| prothero_robinson::<f32>(lambda, 0.0, fixed(h)).0);
         let orders = [0, 1].map(|i| (double[i] / double[i + 1]).log2());
         println!(
             "PR {lambda:.0e} fixed: f64 {}, orders {orders:.2?}, f32 {}",
@@ -78,13 +76,9 @@ fn prothero_robinson_keeps_its_order_however_stiff() {
 #[test]
 fn prothero_robinson_a_stiff_component_does_not_throttle_the_step() {
     let attempts = |lambda: f64, tolerance: f64| {
-        let (double, attempts) =
-            prothero_robinson::<f64>(lambda, 0.0, Adaptive::new(tolerance).expect("in bounds"));
-        let (single, single_attempts) = prothero_robinson::<f32>(
-            lambda,
-            0.0,
-            Adaptive::new(f32::from_f64(tolerance)).expect("in bounds"),
-        );
+        let (double, attempts) = prothero_robinson::<f64>(lambda, 0.0, adaptive(tolerance));
+        let (single, single_attempts) =
+            prothero_robinson::<f32>(lambda, 0.0, adaptive(f32::from_f64(tolerance)));
         println!(
             "PR {lambda:.0e} tolerance {tolerance:.0e}: f64 {double:.2e} in {attempts}, f32 {single:.2e} in {single_attempts}"
         );
@@ -109,7 +103,7 @@ fn prothero_robinson_a_stiff_component_does_not_throttle_the_step() {
 #[test]
 fn prothero_robinson_an_error_far_off_the_slow_motion_is_gone_within_steps() {
     // |R(λ h)| is below 10⁻⁴ here; a method that is not L-stable would ring on.
-    let control = FixedStep::of_seconds(10.0 / PACE / 64.0).expect("in bounds");
+    let control = fixed(10.0 / PACE / 64.0);
     let (error, _) = prothero_robinson::<f64>(-1e6, 1.0, control);
     assert!(error < 1e-8, "{error}");
 }

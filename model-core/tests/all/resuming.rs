@@ -5,10 +5,10 @@
 //! many events, rejected steps, and, after each release, a guard that is zero with zero rate, at a position that no
 //! binary fraction represents. There is no reference: the runs are compared with each other.
 
-use crate::common::{Given, Leap, Log, Machine, Problem, Random, precision};
+use crate::common::{Given, Leap, Log, Machine, Problem, Random, adaptive, fixed, precision};
 use model_core::clock::Instant;
 use model_core::hybrid::{Driver, Ended, HybridState, LEAST_BUDGET};
-use model_core::integrate::{Adaptive, FixedStep, Method, StepControl, TrBdf2};
+use model_core::integrate::{Method, StepControl, TrBdf2};
 use model_core::scalar::Scalar;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -168,20 +168,17 @@ fn assert_indivisible<S: Scalar, M: Method<S> + Copy, C: StepControl<S> + Copy>(
 
 #[test]
 fn budgets_and_pauses_do_not_change_a_bit() {
-    assert_indivisible::<f64, _, _>(TrBdf2, Adaptive::new(1e-4).expect("in bounds"));
-    assert_indivisible::<f32, _, _>(TrBdf2, Adaptive::new(1e-4).expect("in bounds"));
-    assert_indivisible::<f64, _, _>(TrBdf2, FixedStep::of_seconds(3e-4).expect("in bounds"));
-    assert_indivisible::<f32, _, _>(
-        model_core::integrate::RungeKutta4,
-        FixedStep::of_seconds(3e-4).expect("in bounds"),
-    );
+    assert_indivisible::<f64, _, _>(TrBdf2, adaptive(1e-4));
+    assert_indivisible::<f32, _, _>(TrBdf2, adaptive(1e-4));
+    assert_indivisible::<f64, _, _>(TrBdf2, fixed(3e-4));
+    assert_indivisible::<f32, _, _>(model_core::integrate::RungeKutta4, fixed(3e-4));
 }
 
 /// Time from the first release to the next event.
 fn after_release<S: Scalar>(push: f64) -> Option<f64> {
     let machine = Machine(Latched);
     let input = Given(move |_| push);
-    let control = Adaptive::new(S::from_f64(1e-4)).expect("in bounds");
+    let control = adaptive(S::from_f64(1e-4));
     let start = [-S::from_f64(STOP), S::ZERO, S::from_f64(HOLD)];
     let mut state = HybridState::start(&machine, Mode::Closed, start, &input, &control);
     let driver = Driver::new(TrBdf2, control);
@@ -217,7 +214,7 @@ fn a_guard_that_starts_at_zero_with_no_rate_waits_for_the_fall() {
 fn a_step_cut_short_by_the_end_of_a_call_does_not_slow_the_next_down() {
     let machine = Machine(Latched);
     let input = Given(|t: f64| 1400.0 * (88.0 * t).sin());
-    let control = Adaptive::new(1e-2).expect("in bounds");
+    let control = adaptive(1e-2);
     let driver = Driver::new(TrBdf2, control);
     let run = |pieces: u32| {
         let mut state = HybridState::start(&machine, Mode::Free, [0.0_f64; 3], &input, &control);

@@ -1,10 +1,11 @@
 //! A fast circuit in single precision: the rounding of the charge, divided by a step, is the noise of its current,
 //! and must not shorten the step.
 
+use crate::common::adaptive;
 use model_core::clock::Instant;
 use model_core::excitation::Sine;
 use model_core::hybrid::{Driver, Ended};
-use model_core::integrate::{Adaptive, TrBdf2};
+use model_core::integrate::TrBdf2;
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
 use model_core::scene::sliding::{PatchFriction, Start};
 
@@ -27,7 +28,7 @@ where
     };
     let scene = parameters.build().expect("in bounds");
     let sine = Sine::<S>::new(number(acceleration), number(frequency), S::ZERO).expect("valid");
-    let driver = Driver::new(TrBdf2, Adaptive::new(number(1e-4)).expect("in bounds"));
+    let driver = Driver::new(TrBdf2, adaptive(number(1e-4)));
     let mut state = scene.start::<_, _, 1>(&Start::default(), &sine, &driver.control).expect("in bounds");
     let end = Instant::from_seconds(seconds).expect("a time");
     // Ten times what double precision takes for the longest.

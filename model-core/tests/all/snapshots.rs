@@ -4,12 +4,12 @@ use crate::common::harvesters::{
     ContactChoices, bump, bump_parameters, contact, contact_parameters, sine_samples, slide,
     sliding_parameters,
 };
-use crate::common::{Random, finished};
+use crate::common::{Random, adaptive, finished, fixed};
 use model_core::energy::estimator::{Sample, SampleFormat, Settings};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{Silence, Sine, Stream};
 use model_core::hybrid::{Driver, HybridState};
-use model_core::integrate::{Adaptive, FixedStep, RungeKutta4, TrBdf2};
+use model_core::integrate::{Adaptive, RungeKutta4, TrBdf2};
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{self, AnyContact, AnyCoupling, Restitution, Stepper};
@@ -28,7 +28,7 @@ fn settings<S: Scalar>(rate: f64) -> Settings<S> {
 }
 
 fn hybrid<S: Scalar, A>(scene: A, tolerance: f64) -> Simulation<A, TrBdf2, Adaptive<S>, 3, 1> {
-    Simulation::new(scene, TrBdf2, Adaptive::new(S::from_f64(tolerance)).expect("in bounds"))
+    Simulation::new(scene, TrBdf2, adaptive(S::from_f64(tolerance)))
 }
 
 /// Samples with gaps of both kinds and shocks beyond the range, the same on every machine.
@@ -276,7 +276,7 @@ fn an_image_of_another_scene_precision_method_or_rate_is_foreign() {
     assert_foreign(hybrid(contact::<f32>(), 1.1e-2), usual, &bytes, 2);
     let (_, accurate) = saved(hybrid(contact::<f32>(), 1e-5), usual);
     assert_foreign(hybrid(contact::<f32>(), 1.1e-5), usual, &accurate, 3);
-    let fixed = FixedStep::of_seconds(1e-3_f32).expect("in bounds");
+    let fixed = fixed(1e-3_f32);
     assert_foreign(Simulation::<_, _, _, 3, 1>::new(contact::<f32>(), TrBdf2, fixed), usual, &bytes, 4);
     assert_foreign(harvester, settings(401.0), &bytes, 5);
     assert_foreign(harvester, Settings { longest_gap: 2, ..usual }, &bytes, 6);
@@ -305,7 +305,7 @@ fn round_trip<T: Snapshot + PartialEq + core::fmt::Debug>(value: &T) {
 fn states_meters_and_streams_have_images_of_their_own() {
     let sine = Sine::<f32>::new(1.962, 20.0, 0.0).expect("valid");
     let scene = contact::<f32>();
-    let driver = Driver::new(TrBdf2, Adaptive::new(1e-2).expect("in bounds"));
+    let driver = Driver::new(TrBdf2, adaptive(1e-2));
     let mut state = scene.start::<_, _, 1>(&Default::default(), &sine, &driver.control).expect("starts");
     let mut meter = PowerMeter::<f32>::new();
     let until = model_core::clock::Instant::from_whole_seconds(1);
@@ -350,7 +350,7 @@ impl crate::common::Problem<f64, 4> for Four {
 #[test]
 fn a_state_of_any_size_has_an_image() {
     let machine = crate::common::Machine(Four);
-    let control = Adaptive::new(1e-3).expect("in bounds");
+    let control = adaptive(1e-3);
     let mut state: HybridState<f64, bool, 4, 1> =
         HybridState::start(&machine, true, [1.0, 0.0, 0.5, 0.0], &Silence, &control);
     let until = model_core::clock::Instant::from_whole_seconds(3);

@@ -11,10 +11,10 @@
 //!
 //! The coordinate is the penetration `p = x − 1/2`, so that single precision resolves the contact.
 
-use crate::common::{Leap, Problem, Run, precision};
+use crate::common::{Leap, Problem, Run, adaptive, fixed, precision};
 use model_core::clock::{LONGEST_STEP_S, TICKS_PER_SECOND};
 use model_core::excitation::Silence;
-use model_core::integrate::{Adaptive, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::integrate::{Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::scalar::Scalar;
 
 const GAP: f64 = 0.5;
@@ -177,17 +177,18 @@ fn adaptive_steps_follow_a_contact_of_any_stiffness() {
             // A step is allowed a twentieth of the tolerance per radian.
             let step = (tolerance / 20.0 / LATE).sqrt().min(LONGEST_STEP_S);
             let [late, slow, period, energy] = free_flight(step);
-            measure::<f64>(&name, stiffness, TrBdf2, Adaptive::new(tolerance).expect("in bounds"))
+            measure::<f64>(&name, stiffness, TrBdf2, adaptive(tolerance))
                 .assert_below([late, slow, 1e-6, period, 1e-6, energy]);
             // The few roundings that a step is allowed take over: it is the longest of the clock.
             let [late, slow, period, energy] = free_flight(LONGEST_STEP_S);
-            measure::<f32>(
-                &name,
-                stiffness,
-                TrBdf2,
-                Adaptive::new(f32::from_f64(tolerance)).expect("in bounds"),
-            )
-            .assert_below([late + 7e-7, slow + 4e-8, 5e-5, period + 2e-6, 5e-5, energy + 1e-6]);
+            measure::<f32>(&name, stiffness, TrBdf2, adaptive(f32::from_f64(tolerance))).assert_below([
+                late + 7e-7,
+                slow + 4e-8,
+                5e-5,
+                period + 2e-6,
+                5e-5,
+                energy + 1e-6,
+            ]);
         }
     }
 }
@@ -197,7 +198,7 @@ fn assert_orders<M: Method<f64> + Method<f32> + Copy>(name: &str, method: M, ord
         // 16 steps in a contact, and 31: their errors are far above a tick.
         let lengths = [0.2, 0.1];
         let [coarse, fine] = lengths.map(|radians| {
-            let control = FixedStep::of_seconds(radians / stiffness.sqrt()).expect("in bounds");
+            let control = fixed(radians / stiffness.sqrt());
             let double = measure::<f64>(name, stiffness, method, control);
             let single = measure::<f32>(name, stiffness, method, control);
             // Rounding adds little to what the method does.

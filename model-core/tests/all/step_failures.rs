@@ -5,11 +5,11 @@
 //! Newton's iteration diverges, a singular iteration matrix, a jump without effect, a quantity that leaves its
 //! domain.
 
-use crate::common::{Leap, Log, Machine, Problem, State, exact_seconds, precision};
+use crate::common::{Leap, Log, Machine, Problem, State, adaptive, exact_seconds, fixed, precision};
 use model_core::clock::Instant;
 use model_core::excitation::Silence;
 use model_core::hybrid::{Driver, Ended, HybridState, LEAST_BUDGET, StepError, StepFailure};
-use model_core::integrate::{Adaptive, DenseFactor, FixedStep, Method, RungeKutta4, StepControl, TrBdf2};
+use model_core::integrate::{DenseFactor, Method, RungeKutta4, StepControl, TrBdf2};
 use model_core::scalar::Scalar;
 
 /// Where the trouble is; all start at 1 and fall with unit speed.
@@ -142,34 +142,19 @@ fn assert_vanishes<S: Scalar>(trouble: Trouble, driver: &Driver<impl Method<S>, 
 #[test]
 fn a_derivative_that_ceases_to_exist() {
     for trouble in [Trouble::NotANumber, Trouble::Infinite] {
-        assert_vanishes::<f64>(trouble, &Driver::new(TrBdf2, Adaptive::new(1e-3).expect("in bounds")));
-        assert_vanishes::<f32>(trouble, &Driver::new(TrBdf2, Adaptive::new(1e-3).expect("in bounds")));
-        assert_vanishes::<f64>(
-            trouble,
-            &Driver::new(TrBdf2, FixedStep::of_seconds(1e-3).expect("in bounds")),
-        );
-        assert_vanishes::<f32>(
-            trouble,
-            &Driver::new(TrBdf2, FixedStep::of_seconds(1e-3).expect("in bounds")),
-        );
-        assert_vanishes::<f64>(
-            trouble,
-            &Driver::new(RungeKutta4, FixedStep::of_seconds(1e-3).expect("in bounds")),
-        );
-        assert_vanishes::<f32>(
-            trouble,
-            &Driver::new(RungeKutta4, FixedStep::of_seconds(1e-3).expect("in bounds")),
-        );
+        assert_vanishes::<f64>(trouble, &Driver::new(TrBdf2, adaptive(1e-3)));
+        assert_vanishes::<f32>(trouble, &Driver::new(TrBdf2, adaptive(1e-3)));
+        assert_vanishes::<f64>(trouble, &Driver::new(TrBdf2, fixed(1e-3)));
+        assert_vanishes::<f32>(trouble, &Driver::new(TrBdf2, fixed(1e-3)));
+        assert_vanishes::<f64>(trouble, &Driver::new(RungeKutta4, fixed(1e-3)));
+        assert_vanishes::<f32>(trouble, &Driver::new(RungeKutta4, fixed(1e-3)));
     }
 }
 
 #[test]
 fn equations_that_newton_cannot_solve() {
-    assert_vanishes::<f64>(Trouble::NoMatrix, &Driver::new(TrBdf2, Adaptive::new(1e-3).expect("in bounds")));
-    assert_vanishes::<f32>(
-        Trouble::NoMatrix,
-        &Driver::new(TrBdf2, FixedStep::of_seconds(1e-3).expect("in bounds")),
-    );
+    assert_vanishes::<f64>(Trouble::NoMatrix, &Driver::new(TrBdf2, adaptive(1e-3)));
+    assert_vanishes::<f32>(Trouble::NoMatrix, &Driver::new(TrBdf2, fixed(1e-3)));
     fn no_solution<S: Scalar>(control: impl StepControl<S>) {
         let failed = fail::<S, _, _>(Trouble::NoSolution, &Driver::new(TrBdf2, control));
         println!("NoSolution {}: {}", precision::<S>(), failed.error);
@@ -178,10 +163,10 @@ fn equations_that_newton_cannot_solve() {
         let (height, slack) = (failed.state.point.state[0].to_f64(), 256.0 * S::EPSILON.to_f64());
         assert!((MIDDLE..MIDDLE + 1e-3 + 1e-10 + slack).contains(&height), "{height}");
     }
-    no_solution::<f64>(Adaptive::new(1e-3).expect("in bounds"));
-    no_solution::<f32>(Adaptive::new(1e-3).expect("in bounds"));
-    no_solution::<f64>(FixedStep::of_seconds(1e-3).expect("in bounds"));
-    no_solution::<f32>(FixedStep::of_seconds(1e-3).expect("in bounds"));
+    no_solution::<f64>(adaptive(1e-3));
+    no_solution::<f32>(adaptive(1e-3));
+    no_solution::<f64>(fixed(1e-3));
+    no_solution::<f32>(fixed(1e-3));
 }
 
 #[test]
@@ -195,10 +180,10 @@ fn a_jump_that_leads_nowhere_is_a_storm() {
         assert!((2..100).contains(&failed.log.events.len()), "{} events", failed.log.events.len());
         assert!(failed.log.times().windows(2).all(|pair| pair[0] == pair[1]));
     }
-    storm::<f64>(Adaptive::new(1e-3).expect("in bounds"));
-    storm::<f32>(Adaptive::new(1e-3).expect("in bounds"));
-    storm::<f64>(FixedStep::of_seconds(1e-3).expect("in bounds"));
-    storm::<f32>(FixedStep::of_seconds(1e-3).expect("in bounds"));
+    storm::<f64>(adaptive(1e-3));
+    storm::<f32>(adaptive(1e-3));
+    storm::<f64>(fixed(1e-3));
+    storm::<f32>(fixed(1e-3));
 }
 
 #[test]
@@ -214,8 +199,8 @@ fn a_quantity_outside_its_domain_is_named_with_its_value() {
         // The step that would have left the domain was not kept.
         assert!(value < MIDDLE && kept >= MIDDLE && kept - value < 5e-3, "{value}, {kept}");
     }
-    leaves::<f64>(&Driver::new(TrBdf2, Adaptive::new(1e-3).expect("in bounds")));
-    leaves::<f32>(&Driver::new(RungeKutta4, FixedStep::of_seconds(1e-3).expect("in bounds")));
+    leaves::<f64>(&Driver::new(TrBdf2, adaptive(1e-3)));
+    leaves::<f32>(&Driver::new(RungeKutta4, fixed(1e-3)));
 }
 
 /// Calls again after a failure: the same failure at the same time, and the same point.
@@ -234,22 +219,19 @@ fn assert_lasting<S: Scalar>(trouble: Trouble, driver: &Driver<impl Method<S>, i
 #[test]
 fn calling_again_after_a_storm_or_outside_the_domain_changes_nothing() {
     for trouble in [Trouble::DeadJump, Trouble::Domain] {
-        assert_lasting::<f64>(trouble, &Driver::new(TrBdf2, Adaptive::new(1e-3).expect("in bounds")));
-        assert_lasting::<f32>(trouble, &Driver::new(TrBdf2, FixedStep::of_seconds(1e-3).expect("in bounds")));
+        assert_lasting::<f64>(trouble, &Driver::new(TrBdf2, adaptive(1e-3)));
+        assert_lasting::<f32>(trouble, &Driver::new(TrBdf2, fixed(1e-3)));
     }
 }
 
 #[test]
 fn calling_again_after_a_vanished_step_changes_nothing() {
     for trouble in [Trouble::NotANumber, Trouble::Infinite, Trouble::NoMatrix] {
-        assert_lasting::<f64>(trouble, &Driver::new(TrBdf2, Adaptive::new(1e-3).expect("in bounds")));
-        assert_lasting::<f32>(trouble, &Driver::new(TrBdf2, FixedStep::of_seconds(1e-3).expect("in bounds")));
+        assert_lasting::<f64>(trouble, &Driver::new(TrBdf2, adaptive(1e-3)));
+        assert_lasting::<f32>(trouble, &Driver::new(TrBdf2, fixed(1e-3)));
     }
     for trouble in [Trouble::NotANumber, Trouble::Infinite] {
-        assert_lasting::<f64>(
-            trouble,
-            &Driver::new(RungeKutta4, FixedStep::of_seconds(1e-3).expect("in bounds")),
-        );
+        assert_lasting::<f64>(trouble, &Driver::new(RungeKutta4, fixed(1e-3)));
     }
 }
 

@@ -8,8 +8,8 @@
 //! `estimator/response.rs` were fitted on the inputs of the seed [`FITTED`] and of two more. [`TESTED`] was not used.
 
 use super::{follow, settings};
-use crate::common::Random;
 use crate::common::harvesters::{Contact, Slide, contact_parameters, sliding_parameters};
+use crate::common::{Random, adaptive};
 use core::f64::consts::TAU;
 use model_core::clock::Instant;
 use model_core::energy::estimator::{Interpolation, Settings};
@@ -129,7 +129,7 @@ struct Case<A, B> {
 impl<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy> Case<A, B> {
     /// The statement against the truth for each interpolation; `None` if the input brings nothing.
     fn compare(&self, vibration: &Vibration) -> Option<[Compared; 2]> {
-        let control = Adaptive::new(self.tolerance as f32).expect("in bounds");
+        let control = adaptive(self.tolerance as f32);
         let harvester: Simulation<_, _, _, 3, 1> = Simulation::new(self.single, ExponentialRadau, control);
         let found = INTERPOLATIONS.map(|interpolation| {
             let settings = Settings { interpolation, ..settings::<f32>(self.rate) };
@@ -159,7 +159,7 @@ impl<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy> Case<A, B> {
 }
 
 pub(super) fn exact<B: Scene<f64, 3, 1>>(scene: B) -> Simulation<B, ExponentialRadau, Adaptive<f64>, 3, 1> {
-    Simulation::new(scene, ExponentialRadau, Adaptive::new(1e-7).expect("in bounds"))
+    Simulation::new(scene, ExponentialRadau, adaptive(1e-7))
 }
 
 /// One random input of a kind and a root mean square in m/s².

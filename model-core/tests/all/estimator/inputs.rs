@@ -6,13 +6,13 @@
 
 use super::calibration::{DENSE, Vibration, contact_scenes, exact, quantile, sliding_scenes};
 use super::settings;
-use crate::common::Random;
 use crate::common::harvesters::bump_parameters;
+use crate::common::{Random, adaptive};
 use model_core::clock::Instant;
 use model_core::energy::estimator::{Interpolation, Sample, SampleFormat, Settings};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled};
-use model_core::integrate::{Adaptive, ExponentialRadau};
+use model_core::integrate::ExponentialRadau;
 use model_core::part::GRAVITY;
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::{AnyChoices, StepDoubling, Stepper};
@@ -182,7 +182,7 @@ fn simulated<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy>(
     (kind, rms): (u32, f64),
     flaws: &[Flaw],
 ) -> Vec<Run> {
-    let control = Adaptive::new(2e-2).expect("in bounds");
+    let control = adaptive(2e-2);
     let model: Simulation<_, _, _, 3, 1> = Simulation::new(single, ExponentialRadau, control);
     let resonance = exact(double).resonance_frequency();
     let rate = random.between_logarithmic((5.0 * resonance).max(100.0), 1000.0);

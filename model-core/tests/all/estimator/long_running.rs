@@ -1,12 +1,12 @@
 //! An estimator that runs for years: the end of the clock, sums, samples that are none, and a sensor off its rate.
 
 use super::{EVER, follow, hybrid, settings};
-use crate::common::finished;
 use crate::common::harvesters::{bump, contact, sine_samples, slide};
+use crate::common::{adaptive, finished, fixed};
 use model_core::clock::Instant;
 use model_core::energy::Estimator;
 use model_core::energy::estimator::{EstimatorError, Interpolation, Sample, Settings};
-use model_core::integrate::{Adaptive, ExponentialRadau, FixedStep, RungeKutta4};
+use model_core::integrate::{ExponentialRadau, RungeKutta4};
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::AnyContact;
@@ -39,12 +39,12 @@ fn across_the_restart<S: Scalar, H: Harvester<S> + Copy>(harvester: H, samples: 
 
 #[test]
 fn the_clock_restarts_before_it_ends() {
-    let control = Adaptive::new(5e-2).expect("in bounds");
+    let control = adaptive(5e-2);
     across_the_restart(
         hybrid(slide::<f64>(), ExponentialRadau, control),
         &sine_samples(3.53, 18.37, 256.0, 1500),
     );
-    let control = Adaptive::new(5e-2).expect("in bounds");
+    let control = adaptive(5e-2);
     across_the_restart(
         hybrid(contact::<f32>(), ExponentialRadau, control),
         &sine_samples(1.96, 20.0, 256.0, 1500),
@@ -55,7 +55,7 @@ fn the_clock_restarts_before_it_ends() {
 
 #[test]
 fn gaps_longer_than_the_clock_are_unknown_time_and_nothing_stops() {
-    let harvester = hybrid(contact::<f32>(), ExponentialRadau, Adaptive::new(5e-2).expect("in bounds"));
+    let harvester = hybrid(contact::<f32>(), ExponentialRadau, adaptive(5e-2));
     let mut estimator = Estimator::new(harvester, settings(64.0)).expect("valid");
     let samples = sine_samples::<f32>(1.96, 20.0, 64.0, 200);
     let mut seconds = 0.0;
@@ -72,7 +72,7 @@ fn gaps_longer_than_the_clock_are_unknown_time_and_nothing_stops() {
 
 #[test]
 fn what_no_sensor_reads_is_a_lost_sample() {
-    let harvester = hybrid(contact::<f32>(), ExponentialRadau, Adaptive::new(5e-2).expect("in bounds"));
+    let harvester = hybrid(contact::<f32>(), ExponentialRadau, adaptive(5e-2));
     let samples = sine_samples::<f32>(1.962, 20.0, 400.0, 900);
     let mut told = Estimator::new(harvester, settings(400.0)).expect("valid");
     let mut shown = told;
@@ -96,7 +96,7 @@ fn what_no_sensor_reads_is_a_lost_sample() {
 
 #[test]
 fn a_sensor_off_its_rate_is_followed_at_its_rate() {
-    let harvester = hybrid(contact::<f64>(), ExponentialRadau, Adaptive::new(1e-3).expect("in bounds"));
+    let harvester = hybrid(contact::<f64>(), ExponentialRadau, adaptive(1e-3));
     let nominal = Settings { interpolation: Interpolation::DroopCompensated, ..settings(400.0) };
     // The sensor takes 420 samples in what it calls 400.
     let samples = sine_samples::<f64>(1.962, 20.0, 420.0, 4200);
@@ -135,7 +135,7 @@ fn a_sensor_off_its_rate_is_followed_at_its_rate() {
 
 #[test]
 fn gravity_is_tracked_removed_and_reported() {
-    let harvester = hybrid(slide::<f64>(), ExponentialRadau, Adaptive::new(1e-3).expect("in bounds"));
+    let harvester = hybrid(slide::<f64>(), ExponentialRadau, adaptive(1e-3));
     let samples = sine_samples::<f64>(3.53, 18.37, 400.0, 8000);
     let tilted: Vec<f64> = samples.iter().map(|sample| sample + 9.81).collect();
     let tracking = Settings { bias_seconds: Some(1.0), ..settings(400.0) };
@@ -164,7 +164,7 @@ fn gravity_is_tracked_removed_and_reported() {
 #[test]
 fn what_is_not_estimated_is_unknown() {
     let samples = sine_samples::<f32>(3.53, 18.37, 400.0, 800);
-    let fixed = FixedStep::of_seconds(2e-3_f32).expect("in bounds");
+    let fixed = fixed(2e-3_f32);
     let explicit = follow(
         &mut Estimator::new(hybrid(slide::<f32>(), RungeKutta4, fixed), settings(400.0)).expect("valid"),
         &samples,
@@ -176,7 +176,7 @@ fn what_is_not_estimated_is_unknown() {
     assert_eq!((modal.uncertainty.step, modal.uncertainty.relative), (None, None));
     assert!(modal.uncertainty.sampling.is_some());
     // 3.9 and 4.1 samples in a resonance period.
-    let harvester = hybrid(slide::<f32>(), ExponentialRadau, Adaptive::new(5e-2).expect("in bounds"));
+    let harvester = hybrid(slide::<f32>(), ExponentialRadau, adaptive(5e-2));
     let resonance = f64::from(harvester.resonance_frequency());
     for (per_period, known) in [(3.9, false), (4.1, true)] {
         let mut estimator = Estimator::new(harvester, settings(per_period * resonance)).expect("valid");
@@ -190,7 +190,7 @@ fn what_is_not_estimated_is_unknown() {
 #[test]
 #[ignore = "a minute in the release profile"]
 fn a_day_without_clearing_is_the_sum_of_its_hours_in_single_precision() {
-    let harvester = hybrid(contact::<f32>(), ExponentialRadau, Adaptive::new(5e-2).expect("in bounds"));
+    let harvester = hybrid(contact::<f32>(), ExponentialRadau, adaptive(5e-2));
     let mut whole = Estimator::new(harvester, settings(256.0)).expect("valid");
     let mut hourly = whole;
     // A second of a sine, again and again: twenty periods.

@@ -3,8 +3,9 @@
 use super::calibration::{contact_scenes, sliding_scenes};
 use super::{follow, hybrid, settings};
 use crate::common::harvesters::{bump, contact_parameters, sine_samples, sliding_parameters};
+use crate::common::{adaptive, fixed};
 use model_core::energy::{Estimate, Estimator};
-use model_core::integrate::{Adaptive, FixedStep, StepControl, TrBdf2};
+use model_core::integrate::{StepControl, TrBdf2};
 use model_core::part::GRAVITY;
 use model_core::scalar::Scalar;
 use model_core::scene::bump_stop::AnyContact;
@@ -23,10 +24,10 @@ fn measured<S: Scalar, A: Scene<S, 3, 1>, C: StepControl<S>>(
 
 /// The figure for the error by the step over the actual error, for each tolerance of a scene.
 fn step_figures<A: Scene<f64, 3, 1> + Copy>(name: &str, scene: A, samples: &[f64]) -> Vec<f64> {
-    let [exact, ..] = measured(scene, Adaptive::new(1e-6).expect("in bounds"), samples);
+    let [exact, ..] = measured(scene, adaptive(1e-6), samples);
     let mut ratios = Vec::new();
     for tolerance in [1e-1, 5e-2, 1e-2, 1e-3, 1e-4] {
-        let [energy, step, _] = measured(scene, Adaptive::new(tolerance).expect("in bounds"), samples);
+        let [energy, step, _] = measured(scene, adaptive(tolerance), samples);
         let (actual, figure) = ((energy / exact - 1.0).abs(), step / energy);
         println!("| {name} | {tolerance:.0e} | {actual:.1e} | {figure:.1e} | {:.1} |", figure / actual);
         ratios.push(figure / actual);
@@ -73,7 +74,7 @@ fn covers_with_steps<A: Scene<f32, 3, 1>, B: Scene<f64, 3, 1>>(
     step: f64,
     (single, double): (Vec<f32>, Vec<f64>),
 ) {
-    let control = FixedStep::of_seconds(step).expect("in bounds");
+    let control = fixed(step);
     let [exact, ..] = measured(of_double, control, &double);
     let [energy, _, figure] = measured(of_single, control, &single);
     covers(exact, energy, figure);
@@ -105,8 +106,7 @@ fn the_energy_that_a_motion_would_deliver_after_an_outage_is_stated() {
     let mut parameters = contact_parameters::<f64>();
     // 20 Hz below contact: a linear resonator of the decay rate 0.5 /s.
     (parameters.initial_gap, parameters.damping_ratio) = (2e-2, 4e-3);
-    let harvester =
-        hybrid(parameters.build().expect("in bounds"), TrBdf2, Adaptive::new(1e-3).expect("in bounds"));
+    let harvester = hybrid(parameters.build().expect("in bounds"), TrBdf2, adaptive(1e-3));
     let mut samples = vec![0.0; 1200];
     samples.extend(sine_samples::<f64>(1.0, harvester.resonance_frequency(), rate, 200));
     for after in [200, 400, 1600] {

@@ -6,13 +6,14 @@
 
 use super::order;
 use crate::bridge::sine;
+use crate::common::{adaptive, fixed};
 use model_core::clock::Instant;
 use model_core::energy::PowerMeter;
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, HybridState};
 use model_core::integrate::{
-    Adaptive, CircuitEquation, DenseFactor, ErrorScale, ExponentialRadau, FixedStep, Method, Point, Stage,
-    StepControl, System, TrBdf2,
+    CircuitEquation, DenseFactor, ErrorScale, ExponentialRadau, Method, Point, Stage, StepControl, System,
+    TrBdf2,
 };
 use model_core::oscillator::Oscillator;
 
@@ -104,8 +105,8 @@ const COILS: [Coil; 3] = [
 #[test]
 fn a_circuit_that_the_velocity_drives_agrees_with_tr_bdf2() {
     for coil in COILS {
-        let (exact, at) = shake(&coil, TrBdf2, Adaptive::new(1e-8).expect("in bounds"));
-        let (found, there) = shake(&coil, ExponentialRadau, Adaptive::new(1e-6).expect("in bounds"));
+        let (exact, at) = shake(&coil, TrBdf2, adaptive(1e-8));
+        let (found, there) = shake(&coil, ExponentialRadau, adaptive(1e-6));
         let off = System::error_norm(&&coil, &at, &core::array::from_fn(|i| there[i] - at[i]));
         println!("{coil:?}: {found:e} W, off by {:.1e}, state {off:.1e}", found / exact - 1.0);
         assert!((found / exact - 1.0).abs() < 1e-5 && off < 1e-5, "{coil:?}");
@@ -116,7 +117,7 @@ fn a_circuit_that_the_velocity_drives_agrees_with_tr_bdf2() {
 fn its_order_is_three() {
     let steps = [3.2e-3, 2.26e-3, 1.6e-3, 1.13e-3];
     for coil in COILS {
-        let at = |step| shake(&coil, ExponentialRadau, FixedStep::of_seconds(step).expect("in bounds")).0;
+        let at = |step| shake(&coil, ExponentialRadau, fixed(step)).0;
         let exact = at(5e-5);
         let errors = steps.map(|step| (at(step) / exact - 1.0).abs());
         let order = order(&steps, &errors);

@@ -3,9 +3,10 @@
 use super::run;
 use crate::bridge::sine;
 use crate::common::harvesters::contact_parameters;
+use crate::common::{adaptive, fixed};
 use model_core::clock::LONGEST_STEP_S;
 use model_core::excitation::Sine;
-use model_core::integrate::{Adaptive, ExponentialRadau, FixedStep, TrBdf2};
+use model_core::integrate::{ExponentialRadau, TrBdf2};
 use model_core::part::force_law::AnyForceLaw;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::scalar::{Mathematics, Polynomial, Scalar};
@@ -32,10 +33,10 @@ fn near_pull_in_the_run_is_that_of_tr_bdf2() {
         for resistance in [1e4, 1e7, 1e9] {
             let scene = soft(part, resistance);
             let vibration = sine(0.02, 6.0);
-            let tight = Adaptive::new(1e-8).expect("in bounds");
+            let tight = adaptive(1e-8);
             let exact = run(scene, &Start::default(), TrBdf2, tight, &vibration, 1.0);
             for (tolerance, allowed) in [(1e-3, 1e-2), (1e-6, 2e-5)] {
-                let control = Adaptive::new(tolerance).expect("in bounds");
+                let control = adaptive(tolerance);
                 let found = run(scene, &Start::default(), ExponentialRadau, control, &vibration, 1.0);
                 let off = (found.power / exact.power - 1.0).abs();
                 println!(
@@ -56,10 +57,9 @@ fn a_fixed_step_longer_than_the_series_allows_is_shortened() {
         parameters.damping_ratio = ratio;
         let scene = parameters.build().expect("in bounds");
         let vibration = sine(1.0, frequency);
-        let control = FixedStep::of_seconds(LONGEST_STEP_S).expect("in bounds");
+        let control = fixed(LONGEST_STEP_S);
         let found = run(scene, &Start::default(), ExponentialRadau, control, &vibration, 0.3);
-        let exact =
-            run(scene, &Start::default(), TrBdf2, Adaptive::new(1e-8).expect("in bounds"), &vibration, 0.3);
+        let exact = run(scene, &Start::default(), TrBdf2, adaptive(1e-8), &vibration, 0.3);
         let off = (found.power / exact.power - 1.0).abs();
         println!("damping ratio {ratio}, {frequency} Hz: {} attempts, off by {off:.1e}", found.attempts);
         let fastest = (2.0 * ratio * 126.5).max(core::f64::consts::TAU * frequency);
@@ -75,7 +75,7 @@ where
 {
     let number = S::from_f64;
     let scene = contact_parameters::<S>().build().expect("in bounds");
-    let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(number(0.01)).expect("in bounds"));
+    let harvester = Simulation::new(scene, ExponentialRadau, adaptive(number(0.01)));
     let vibration = Sine::<S>::new(number(0.2 * 9.81), number(22.0), S::ZERO).expect("in bounds");
     let mut state = harvester.start(&contact_separation::Start::default(), &vibration).expect("in bounds");
     [[15, 20], [195, 200]].map(|[from, until]| {

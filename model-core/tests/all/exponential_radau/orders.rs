@@ -3,7 +3,8 @@
 use super::{Found, order, run};
 use crate::bridge::sine;
 use crate::common::harvesters::{contact_parameters, sliding_parameters};
-use model_core::integrate::{Adaptive, ExponentialRadau, FixedStep};
+use crate::common::{adaptive, fixed};
+use model_core::integrate::ExponentialRadau;
 use model_core::part::force_law::AnyForceLaw;
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::scene::sliding::AnyLateralForce;
@@ -33,7 +34,7 @@ impl Contact {
     }
 
     fn at(&self, step: f64) -> Found {
-        let control = FixedStep::of_seconds(step).expect("in bounds");
+        let control = fixed(step);
         let vibration = sine(self.gravities, self.frequency);
         let start = contact_separation::Start::default();
         run(self.scene(), &start, ExponentialRadau, control, &vibration, self.seconds)
@@ -51,7 +52,7 @@ fn slide(lateral: bool, friction: f64, resistance: f64, law: AnyForceLaw, step: 
     if lateral {
         parameters.choices.lateral_force = AnyLateralForce::Field;
     }
-    let control = FixedStep::of_seconds(step).expect("in bounds");
+    let control = fixed(step);
     let scene = parameters.build().expect("in bounds");
     run(scene, &sliding::Start::default(), ExponentialRadau, control, &sine(0.36, 18.373), 0.6)
 }
@@ -150,7 +151,7 @@ fn sliding_is_of_order_four() {
 /// At a tolerance of 1e-4, over all loads.
 #[test]
 fn ledgers_are_small_over_all_loads() {
-    let control = || Adaptive::new(1e-4).expect("in bounds");
+    let control = || adaptive(1e-4);
     for resistance in [0.0, 1.0, 1e3, 1e5, 1e6, 1e7, 1e8, 1e10, f64::INFINITY] {
         let contact = Contact {
             law: AnyForceLaw::GapField,
