@@ -9,13 +9,11 @@ mod ensemble;
 mod statement;
 mod warnings;
 
-use rayon::prelude::*;
-
 use crate::embedded::default_accuracy;
 use crate::method::{Failure, Method, Options, Precision};
 use crate::outcome::{Accuracy, BLOCKS, Outcome};
 use crate::resolution::remarks;
-use crate::run::run_scene;
+use crate::run::{each, run_scene};
 use crate::scene_file::{Model, Scene};
 use crate::shift::shifted;
 use statement::state;
@@ -212,7 +210,7 @@ impl Runs<'_> {
     fn at(&mut self, options: &Options, shifts: &[f64]) -> Vec<Outcome> {
         let scene = self.scene;
         let run = |shift: &f64| run_scene(&shifted(scene, *shift)?, options).ok();
-        let found: Vec<Outcome> = shifts.par_iter().filter_map(run).collect();
+        let found: Vec<Outcome> = each(shifts, run).into_iter().flatten().collect();
         self.steps += found.iter().map(|run| run.steps).sum::<u64>();
         found
     }

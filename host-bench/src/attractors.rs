@@ -5,14 +5,12 @@
 
 use std::f64::consts::TAU;
 
-use rayon::prelude::*;
-
 use crate::accuracy::{MOST_ATTEMPTS, has_own_steps};
 use crate::method::{Failure, Method, Options};
 use crate::outcome::{Branch, Outcome, standard_error_of_sum};
 use crate::report::setting::setting;
 use crate::resolution::resonances;
-use crate::run::run_scene;
+use crate::run::{each, run_scene, try_each};
 use crate::scene_file::{Excitation, Load, RunSpan, Scene, Summary};
 use crate::shift::{start, started};
 
@@ -162,7 +160,7 @@ pub(crate) fn ends(scene: &Scene, asked: &Options, starts: &[[f64; 2]], done: im
         let outcome = outcome.ok()?;
         End::new(scene, *start, &outcome, period(scene, &outcome))
     };
-    starts.par_iter().map(end).collect::<Vec<_>>().into_iter().flatten().collect()
+    each(starts, end).into_iter().flatten().collect()
 }
 
 /// The scene with its window from an instant in s on, and from where the transients have decayed; `None` if that is far beyond its end.
@@ -246,7 +244,7 @@ pub(crate) fn elsewhere(scenes: &[(Scene, Options)]) -> Result<Vec<Option<String
         add_branches(scene, options, &mut outcome);
         Ok(outcome.warnings.pop().map(|warning| format!("{}: {warning}", setting(scene, &[]))))
     };
-    scenes.par_iter().map(of).collect()
+    try_each(scenes, of)
 }
 
 #[cfg(test)]

@@ -4,8 +4,6 @@ pub mod bump_stop;
 mod contact_separation;
 pub(crate) mod sliding;
 
-use rayon::prelude::*;
-
 use crate::attractors::elsewhere;
 use crate::method::{Failure, Options};
 use crate::outcome::name;
@@ -13,7 +11,7 @@ use crate::report::chart::Chart;
 use crate::report::file;
 use crate::report::page::{Page, escaped};
 use crate::report::setting::margin;
-use crate::run::run_scene;
+use crate::run::{run_scene, try_each};
 use crate::scene_file::{self, Excitation, Scene, Tone};
 
 /// A harvester whose figures are made.
@@ -137,12 +135,12 @@ fn each<C: Sync, R: Send>(
     done: &(dyn Fn() + Sync),
     run: impl Fn(&C) -> Result<R, Failure> + Sync,
 ) -> Result<Vec<R>, Failure> {
-    let one = |case| {
+    let one = |case: &C| {
         let found = run(case);
         done();
         found
     };
-    cases.par_iter().map(one).collect()
+    try_each(cases, one)
 }
 
 fn shipped(name: &str) -> Result<Scene, Failure> {

@@ -16,8 +16,6 @@ mod tests;
 
 use std::fmt::Write;
 
-use rayon::prelude::*;
-
 pub use self::agreement::{Agreement, Judged};
 pub use self::axes::Axes;
 pub use self::column::Column;
@@ -33,6 +31,7 @@ use crate::accuracy::Statements;
 use crate::embedded::{fingerprint, with_continuation};
 use crate::method::{Failure, Options};
 use crate::name::Name;
+use crate::run::try_each;
 use crate::scene_file::{Load, Scene};
 use agreement::{random, truth};
 
@@ -227,7 +226,8 @@ fn swept(
     options: &Options,
     step: &(impl Fn(Step) + Sync),
 ) -> Result<Vec<(Column, f64)>, Failure> {
-    let of = |index: usize| {
+    let columns: Vec<usize> = (0..scenes.len() * axes.frequencies.len()).collect();
+    try_each(&columns, |&index| {
         let frequency_hz = axes.frequencies[index % axes.frequencies.len()];
         let scene = &scenes[index / axes.frequencies.len()];
         let made = with_continuation(scene, frequency_hz, options, |continuation| {
@@ -236,8 +236,7 @@ fn swept(
         });
         step(Step::Done);
         made
-    };
-    (0..scenes.len() * axes.frequencies.len()).into_par_iter().map(of).collect()
+    })
 }
 
 /// The steady motions at some places, each with the simulated periods that it took.
@@ -248,15 +247,14 @@ fn truths(
     options: &Options,
     step: &(impl Fn(Step) + Sync),
 ) -> Result<Vec<(Truth, f64)>, Failure> {
-    let at = |place: &OperatingPoint| {
+    try_each(places, |place| {
         let truth = with_continuation(&scenes[place.slice], place.frequency_hz, options, |continuation| {
             let [rising, falling] = boundaries(content, place);
             Ok((truth(continuation, place, rising.max(falling))?, continuation.periods()))
         });
         step(Step::Done);
         truth
-    };
-    places.par_iter().map(at).collect()
+    })
 }
 
 /// The levels of both boundaries at a place, by the columns beside it.

@@ -10,7 +10,6 @@ mod numerics;
 mod part;
 mod study;
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 pub(crate) use self::change::{Change, Corner, corner_name, cycles, impacts};
@@ -20,6 +19,7 @@ pub(crate) use self::part::Part;
 use self::part::{modes, parts};
 pub(crate) use self::study::Study;
 use crate::method::Failure;
+use crate::run::each;
 use crate::scene_file::Scene;
 
 /// Whether a part is needed.
@@ -91,14 +91,11 @@ impl Study {
         let mut all = parts(&self.scene, &self.full);
         all.extend((1..beam).map(Part::BeamModes));
         all.extend((1..rod).map(Part::RodModes));
-        let mut findings: Vec<Finding> = all
-            .par_iter()
-            .map(|part| {
-                let finding = self.finding(*part);
-                done(all.len());
-                finding
-            })
-            .collect();
+        let mut findings = each(&all, |part| {
+            let finding = self.finding(*part);
+            done(all.len());
+            finding
+        });
         let candidates = candidates(&findings);
         let cut = self.cut(&candidates);
         let excluded =
@@ -127,12 +124,12 @@ impl Study {
 
     /// The pairs that cannot be left out together.
     fn failing_pairs(&self, pairs: &[[Part; 2]], done: impl Fn() + Sync) -> Vec<[Part; 2]> {
-        let failing = pairs.par_iter().filter(|pair| {
-            let holds = self.holds(*pair);
+        let failing = each(pairs, |pair| {
+            let holds = self.holds(pair);
             done();
-            !holds
+            (!holds).then_some(*pair)
         });
-        failing.copied().collect()
+        failing.into_iter().flatten().collect()
     }
 
     /// The candidates that can be left out together: all, or one after the other those that still can.

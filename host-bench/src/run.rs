@@ -1,4 +1,9 @@
-//! Runs a scene by the integrator that the options name: the embedded core, a peer on the host, or the reference.
+//! Runs a scene by the integrator that the options name: the embedded core, a peer on the host, or the reference. Many
+//! on all cores.
+
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
 
 use crate::embedded;
 use crate::method::{Failure, Method, Options};
@@ -32,6 +37,56 @@ pub fn run_scene(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     outcome.warnings.extend(outcome.created.and_then(|created| created_energy_warning(scene, created)));
     outcome.warnings.extend(outcome.margins.limits.iter().filter_map(Margin::warning));
     Ok(outcome)
+}
+
+/// What `job` gives for each item, in their order, on all cores.
+pub(crate) fn each<I: Sync, T: Send>(items: &[I], job: impl Fn(&I) -> T + Sync) -> Vec<T> {
+    // None of them fails.
+    in_order(items.len(), &|index| Ok(job(&items[index]))).unwrap_or_default()
+}
+
+/// As [`each`], until one fails.
+///
+/// # Errors
+/// The first failure in the order of the items, of those that were begun.
+pub(crate) fn try_each<I: Sync, T: Send>(
+    items: &[I],
+    job: impl Fn(&I) -> Result<T, Failure> + Sync,
+) -> Result<Vec<T>, Failure> {
+    in_order(items.len(), &|index| job(&items[index]))
+}
+
+/// What `job` gives for the numbers below `count`, compiled for each type and not for each job.
+fn in_order<T: Send>(
+    count: usize,
+    job: &(dyn Fn(usize) -> Result<T, Failure> + Sync),
+) -> Result<Vec<T>, Failure> {
+    let none: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    let found = Mutex::new((none, None::<(usize, Failure)>));
+    on_all_cores(count, &|index| {
+        let own = job(index);
+        let (found, failed) = &mut *found.lock().unwrap_or_else(PoisonError::into_inner);
+        match own {
+            Ok(own) => found[index] = Some(own),
+            Err(failure) if failed.as_ref().is_none_or(|(first, _)| index < *first) => {
+                *failed = Some((index, failure));
+            }
+            Err(_) => {}
+        }
+        failed.is_none()
+    });
+    let (found, failed) = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let mut all = Vec::with_capacity(count);
+    for own in found.into_iter().flatten() {
+        all.push(own);
+    }
+    failed.map_or(Ok(all), |(_, failure)| Err(failure))
+}
+
+/// Calls `job` with the numbers below `count`, until it gives false. One task for each: some take a hundred times as long as
+/// others. The one place with rayon's iterators: each use of them compiles hundreds of functions for its own types.
+fn on_all_cores(count: usize, job: &(dyn Fn(usize) -> bool + Sync)) {
+    (0..count).into_par_iter().with_max_len(1).all(job);
 }
 
 /// As [`run_scene`], with a run that stopped on its way as text.

@@ -1,15 +1,14 @@
 //! Statistics of a scene with a random excitation over several seeds.
 
 use comfy_table::presets;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::accuracy::{Statements, imbalance, run_as_it_is, run_with_steps};
 use crate::command::json_text;
 use crate::method::{Failure, Options};
-use crate::outcome::{Fields, Format, Outcome, fields, flattened, small};
+use crate::outcome::{Fields, Format, fields, flattened, small};
 use crate::rows::{Column, Digits, Rows};
-use crate::run::run_scene;
+use crate::run::{run_scene, try_each};
 use crate::scene_file::{Excitation, Scene};
 use harvester_scene::root::far_side;
 
@@ -141,20 +140,17 @@ impl Statistics {
             first.warnings.extend(imbalance(&first));
         }
         done();
-        let others: Vec<Outcome> = (1..seeds.count)
-            .into_par_iter()
-            .map(|index| {
-                let seed = seeds.first + index;
-                let run = if accuracy { run_as_it_is } else { run_scene };
-                let mut outcome = run(&with_seed(scene, seed)?, &options)
-                    .map_err(|failure| failure.of_case(&format!("excitation.seed = {seed}")))?;
-                if !accuracy {
-                    outcome.warnings.extend(imbalance(&outcome));
-                }
-                done();
-                Ok(outcome)
-            })
-            .collect::<Result<_, Failure>>()?;
+        let others: Vec<u64> = (1..seeds.count).map(|index| seeds.first + index).collect();
+        let others = try_each(&others, |&seed| {
+            let run = if accuracy { run_as_it_is } else { run_scene };
+            let mut outcome = run(&with_seed(scene, seed)?, &options)
+                .map_err(|failure| failure.of_case(&format!("excitation.seed = {seed}")))?;
+            if !accuracy {
+                outcome.warnings.extend(imbalance(&outcome));
+            }
+            done();
+            Ok(outcome)
+        })?;
         let statements = Statements::of(std::iter::once(&first).chain(&others));
         let rows: Vec<Fields> = std::iter::once(&first).chain(&others).map(fields).collect();
         Ok(Self {

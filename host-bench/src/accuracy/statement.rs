@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use rayon::prelude::*;
 use serde_json::json;
 
 use super::ensemble::{chaotic, ensemble};
@@ -16,7 +15,7 @@ use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::{Accuracy, Fields, Outcome, fields, standard_error_of_sum};
 use crate::resolution::{natural_frequency_hz, resonances};
-use crate::run::run_scene;
+use crate::run::{run_scene, try_each};
 use crate::scene_file::{Draw, Excitation, Load, Scene, Tone, Trace};
 
 /// Stated errors over differences: of the energies delivered, and of those in the parts of the window, which cancel by chance in
@@ -294,8 +293,7 @@ impl Statements {
             });
             Ok(Outcome { warnings: vec![other.to_owned() + &powers], accuracy: Accuracy::default(), ..own })
         };
-        let outcomes: Vec<Outcome> = places.par_iter().map(run).collect::<Result<_, Failure>>()?;
-        Ok(Self::of(&outcomes))
+        Ok(Self::of(&try_each(places, run)?))
     }
 
     pub(crate) fn of<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Self {

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use comfy_table::presets;
-use rayon::prelude::*;
 
 use super::files::Outputs;
 use super::sweep::picture::{Labels, Quantity, picture};
@@ -15,7 +14,7 @@ use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::{Branch, Fields, Format, Outcome, fields};
 use crate::rows::{Digits, Rows};
-use crate::run::run_scene;
+use crate::run::{run_scene, try_each};
 use crate::scene_file;
 use crate::shift::{start, started};
 
@@ -71,7 +70,7 @@ pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
         let from = started(&later, [branch.displacement_m, branch.velocity_m_per_s]);
         run_as_it_is(&from, &attractors::options(&later, options))
     };
-    let outcomes: Vec<Outcome> = found.par_iter().map(stated).collect::<Result<_, _>>()?;
+    let outcomes = try_each(&found, stated)?;
     let doubts: Vec<String> = unsettled.into_iter().chain(failed(&ends, starts.len())).collect();
     if let Some(path) = &arguments.picture {
         let power = |start: &[f64; 2]| Some(ends.iter().find(|end| end.start == *start)?.power_w);

@@ -12,7 +12,6 @@ use clap::{Args, ValueEnum};
 use comfy_table::presets;
 use firmware_example::workload::contact_separation::{self, SMOOTH, SMOOTH_STEP, SMOOTH_TOLERANCES};
 use firmware_example::workload::{bump_stop, named, peer, sliding};
-use rayon::prelude::*;
 use serde_json::Value;
 
 use super::count;
@@ -21,6 +20,7 @@ use crate::method::Failure;
 use crate::on_target::qemu::{self, Core};
 use crate::on_target::{Bench, Error, build, day};
 use crate::outcome;
+use crate::run::each;
 use rows::{Case, Column, RADAU, Row, Steps};
 
 /// Build the firmware for each core, run it under QEMU, check its bits against the host, and report instructions, flash, RAM and stack.
@@ -105,7 +105,7 @@ pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
 
 /// What `run` gives on each core; the cores are built and run side by side.
 fn on_each<T: Send>(cores: &[Core], run: impl Fn(Core) -> Result<T, Error> + Sync) -> Result<Vec<T>, Error> {
-    cores.par_iter().map(|&core| run(core)).collect()
+    each(cores, |&core| run(core)).into_iter().collect()
 }
 
 /// The bench on `core`, announced on standard error.

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum as _;
 use comfy_table::presets;
-use rayon::prelude::*;
 
 use super::files::{Outputs, make_folder, report_folder};
 use super::rows::{self, Parts, Rows};
 use super::{SHIPPED_SCENES, count, json_text, note, one_more, print, progress};
 use crate::method::Failure;
-use crate::outcome::{Format, Outcome};
+use crate::outcome::Format;
+use crate::run::try_each;
 use crate::stability::{
     CASES, COLUMNS, Case, Compared, DAY_S, Effort, Extent, Finding, Kind, build, draw_varied, grid, page,
     pairs, summary,
@@ -145,16 +145,11 @@ fn run_days(kind: Option<Kind>, format: Format) -> Result<(), Failure> {
     let runs: Vec<(usize, usize)> =
         (0..pairs.len()).flat_map(|pair| [0, 1].map(|precision| (pair, precision))).collect();
     let bar = progress(runs.len());
-    // One task each, and not a slice of the list: some take a hundred times as long as others.
-    let outcomes: Result<Vec<Outcome>, Failure> = runs
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|(pair, precision)| {
-            let outcome = pairs[pair].run(precision);
-            one_more(&bar);
-            outcome
-        })
-        .collect();
+    let outcomes = try_each(&runs, |&(pair, precision)| {
+        let outcome = pairs[pair].run(precision);
+        one_more(&bar);
+        outcome
+    });
     bar.finish_and_clear();
     let outcomes = outcomes?;
     let both = outcomes.chunks_exact(2).zip(&pairs);
@@ -186,16 +181,13 @@ fn judged(
         left.chunk_by(|(_, one), (_, other)| one.is_twin_of(other)).collect();
     // Cases of like cost are beside each other: shuffled, the time that is left follows from the time that is gone.
     groups.sort_by_key(|group| group.first().map_or(0, |(number, _)| (*number as u64).wrapping_mul(SHUFFLE)));
-    let new: Result<Vec<Vec<Finding>>, Failure> = groups
-        .into_par_iter()
-        .map(|twins| {
-            let number = twins.first().map_or(0, |(number, _)| *number);
-            let rows = Finding::judged(twins, effort(number));
-            rows.iter().for_each(|_| one_more(&bar));
-            file.as_ref().map_or(Ok(()), |file| file.append(rows.iter().map(Finding::line)))?;
-            Ok(rows)
-        })
-        .collect();
+    let new = try_each(&groups, |twins| {
+        let number = twins.first().map_or(0, |(number, _)| *number);
+        let rows = Finding::judged(twins, effort(number));
+        rows.iter().for_each(|_| one_more(&bar));
+        file.as_ref().map_or(Ok(()), |file| file.append(rows.iter().map(Finding::line)))?;
+        Ok(rows)
+    });
     bar.finish_and_clear();
     let mut rows: Vec<Finding> = done.into_values().chain(new?.into_iter().flatten()).collect();
     rows.sort_by_key(|row| row.number);

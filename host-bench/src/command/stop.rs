@@ -1,7 +1,6 @@
 //! `stop`: what the stop of a bump-stop scene saves in bending at the clamp, and what it costs in power.
 
 use comfy_table::presets;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::sweep::{Axis, check_axes, values};
@@ -10,7 +9,7 @@ use crate::accuracy::run_with_steps;
 use crate::method::{Failure, Method, Options};
 use crate::outcome::{self, Fields, Outcome, number};
 use crate::rows::{Column, Digits, Rows};
-use crate::run::run_scene;
+use crate::run::{run_scene, try_each};
 use crate::scene_file::{self, Model, Override, Scene, contains};
 
 /// Numbers of a run that are compared with those without the stop, and the part by which the stop lowers each.
@@ -49,24 +48,20 @@ impl Row {
         Self { values, with_stop, scene, numbers: Fields::new(), warnings: Vec::new() }
     }
 
-    /// Runs the scene with the accuracy statement of `run`, and in half the steps for what the numbers of the bending
-    /// change: the statement is of the mean power alone.
-    fn run(&mut self, options: &Options, no_accuracy: bool) -> Result<(), Failure> {
+    /// The numbers and the warnings of the scene, run with the accuracy statement of `run`, and in half the steps for what the
+    /// numbers of the bending change: the statement is of the mean power alone.
+    fn ran(&self, options: &Options, no_accuracy: bool) -> Result<(Fields, Vec<String>), Failure> {
         if no_accuracy {
-            let outcome = run_scene(&self.scene, options)?;
-            self.numbers = numbers(&outcome)?;
-            return Ok(());
+            return Ok((numbers(&run_scene(&self.scene, options)?)?, Vec::new()));
         }
         let (outcome, chosen) = run_with_steps(&self.scene, options)?;
-        self.numbers = numbers(&outcome)?;
-        self.warnings.clone_from(&outcome.warnings);
+        let mut found = numbers(&outcome)?;
         let halved = Options { halvings: chosen.halvings + 1, ..chosen };
         // The reference has no step to halve. A run in half the steps that fails leaves the changes unknown.
         let finer =
             (chosen.method != Method::Reference).then(|| run_scene(&self.scene, &halved).ok()).flatten();
         let finer = finer.map_or_else(|| Ok(Fields::new()), |finer| numbers(&finer))?;
-        let changes: Vec<(String, Value)> = self
-            .numbers
+        let changes: Vec<(String, Value)> = found
             .iter()
             .filter(|(name, _)| name.contains("stress"))
             .map(|(name, value)| {
@@ -75,9 +70,9 @@ impl Row {
                 (changed(name), json!(change))
             })
             .collect();
-        self.numbers.extend(changes);
-        self.numbers.insert(POWER_ERROR.to_owned(), json!(outcome.accuracy.total));
-        Ok(())
+        found.extend(changes);
+        found.insert(POWER_ERROR.to_owned(), json!(outcome.accuracy.total));
+        Ok((found, outcome.warnings))
     }
 
     /// The values of the axes, and whether there is a stop.
@@ -120,14 +115,15 @@ pub(super) fn run(arguments: &StopArguments) -> Result<(), Failure> {
     for row in &rows {
         Options { accuracy, ..*options }.check_scene(&row.scene)?;
     }
-    with_progress(rows.len(), |bar| {
-        rows.par_iter_mut().try_for_each(|row| {
-            let ran = row.run(options, *no_accuracy);
+    let found = with_progress(rows.len(), |bar| {
+        try_each(&rows, |row| {
+            let ran = row.ran(options, *no_accuracy);
             bar.inc(1);
             ran
         })
     })?;
-    for row in &rows {
+    for (row, found) in rows.iter_mut().zip(found) {
+        (row.numbers, row.warnings) = found;
         row.warnings
             .iter()
             .for_each(|warning| print_line(&format!("warning: {}: {warning}", row.place(axes))));

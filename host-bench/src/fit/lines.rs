@@ -1,12 +1,11 @@
 //! The rows of a file that belong together, and the model between them as fine lines for the picture.
 
-use rayon::prelude::*;
-
 use super::data::{Data, Direction, Row, Rows};
 use super::model::{Problem, at_row, quantity, steady};
 use crate::embedded::Memory;
 use crate::method::{Failure, Options};
 use crate::report::setting::with_unit;
+use crate::run::each;
 
 /// Most frequencies of the fine lines of one file, and most between two rows.
 const MOST: usize = 300;
@@ -93,7 +92,7 @@ pub(crate) fn lines(
         let mut frequencies = frequencies(rows, group, between);
         let mut found: Vec<Vec<f64>> = match first.direction {
             // Each frequency alone, as the rows are.
-            None => frequencies.par_iter().map(|&frequency| values(frequency, None).0).collect(),
+            None => each(&frequencies, |&frequency| values(frequency, None).0),
             Some(direction) => {
                 if direction == Direction::Down {
                     frequencies.reverse();
@@ -116,7 +115,7 @@ pub(crate) fn lines(
         };
         (0..data.columns.len()).map(of_column).collect()
     };
-    Ok(groups.par_iter().map(of_group).collect())
+    Ok(each(&groups, of_group))
 }
 
 /// The frequencies of a group, each interval divided into so many parts.

@@ -4,13 +4,12 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
-
 use super::data::{Data, Direction, Row, Rows};
 use super::free::{Free, Place};
 use crate::embedded::{self, Memory};
 use crate::method::{Failure, Options};
 use crate::outcome::{Outcome, number};
+use crate::run::{each, try_each};
 use crate::scene_file::{self, Excitation, Load, Override, RunSpan, Scene, Tone, Trace};
 
 /// Relative size of the coordinate's change by which a motion without a period is differentiated: its means are noisy.
@@ -158,14 +157,10 @@ impl<'a> Problem<'a> {
     fn evaluate_from(&self, at: &[f64], options: &Options, from: Begin<'_>) -> Result<Evaluation, Failure> {
         self.evaluations.fetch_add(1, Ordering::Relaxed);
         let scene = self.scene(at)?;
-        let found: Result<Vec<(usize, Vec<RowFound>)>, Failure> = self
-            .tasks
-            .par_iter()
-            .map(|task| match task {
-                Task::Chain(file, rows) => Ok((*file, self.chain(&scene, options, *file, rows, from)?)),
-                Task::Trace(file) => Ok((*file, self.trace(&scene, options, *file, at)?)),
-            })
-            .collect();
+        let found = try_each(&self.tasks, |task| match task {
+            Task::Chain(file, rows) => Ok((*file, self.chain(&scene, options, *file, rows, from)?)),
+            Task::Trace(file) => Ok((*file, self.trace(&scene, options, *file, at)?)),
+        });
         let mut values = vec![f64::NAN; self.count()];
         let mut motions: Vec<Vec<Option<Memory>>> =
             self.data.iter().map(|data| vec![None; data.count()]).collect();
@@ -259,15 +254,12 @@ impl<'a> Problem<'a> {
     fn differences(&self, at: &[f64], base: &Evaluation, step: f64, from: Begin<'_>) -> Vec<Vec<f64>> {
         let sides: Vec<(usize, f64)> =
             (0..at.len()).flat_map(|index| [(index, -step), (index, step)]).collect();
-        let found: Vec<(f64, Option<Evaluation>)> = sides
-            .into_par_iter()
-            .map(|(index, change)| {
-                let mut beside = at.to_vec();
-                beside[index] += change;
-                let moved = beside[index] - at[index];
-                (moved, self.evaluate_from(&beside, &self.options, from).ok())
-            })
-            .collect();
+        let found = each(&sides, |&(index, change)| {
+            let mut beside = at.to_vec();
+            beside[index] += change;
+            let moved = beside[index] - at[index];
+            (moved, self.evaluate_from(&beside, &self.options, from).ok())
+        });
         let pairs = found.chunks_exact(2);
         pairs
             .map(|pair| {

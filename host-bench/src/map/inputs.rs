@@ -7,12 +7,11 @@ use std::sync::Arc;
 use model_core::energy::ResponseMap;
 use model_core::excitation::{LineBank, Lines};
 use model_core::node::{Finding, OutputPower, PredictedPower};
-use rayon::prelude::*;
 
 use super::Map;
 use super::axes::amplitude_of;
 use crate::method::{Failure, Options};
-use crate::run::run_scene;
+use crate::run::{run_scene, try_each};
 use crate::scene_file::{Excitation, Load, RunSpan, Scene, Trace};
 use crate::stability::random::Source;
 
@@ -95,17 +94,15 @@ pub fn detected(
         UNIT as f32,
     )
     .map_err(|error| Failure::of_file(scene, format!("--inputs: {error}")))?;
-    (0..count)
-        .into_par_iter()
-        .map(|number| {
-            let mut source = Source::new(seed, number as u64);
-            let kind = KINDS[number % KINDS.len()];
-            let sines = sines(map, kind, &mut source);
-            let detected = one(scene, map, &bank, (kind, &sines), &mut source, options);
-            step();
-            detected
-        })
-        .collect()
+    let numbers: Vec<usize> = (0..count).collect();
+    try_each(&numbers, |&number| {
+        let mut source = Source::new(seed, number as u64);
+        let kind = KINDS[number % KINDS.len()];
+        let sines = sines(map, kind, &mut source);
+        let detected = one(scene, map, &bank, (kind, &sines), &mut source, options);
+        step();
+        detected
+    })
 }
 
 fn sines(map: &Map, kind: Kind, source: &mut Source) -> Sines {

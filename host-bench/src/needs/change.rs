@@ -1,11 +1,10 @@
 //! What the absence of a part changes: two runs compared, or the means of several.
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::method::{Failure, Options};
 use crate::outcome::{Outcome, SwitchCycles, standard_error_of_sum};
-use crate::run::run_scene;
+use crate::run::{run_scene, try_each};
 use crate::scene_file::{Excitation, Load, Scene};
 use crate::seeds::quantile;
 use crate::shift::shaken;
@@ -181,16 +180,13 @@ impl<'a> Sampled<'a> {
     /// If one of them cannot be run.
     pub(super) fn grow(&mut self, count: usize) -> Result<(), Failure> {
         let (scene, options, accuracy) = (self.scene, &self.options, self.accuracy);
-        let more: Result<Vec<Outcome>, Failure> = (self.runs.len()..count)
-            .into_par_iter()
-            .map(|index| {
-                let shift = DISTANCE * accuracy * place(index);
-                // A base at rest has no runs that differ.
-                shaken(scene, shift)
-                    .map_or_else(|| run_cycles(scene, options), |other| run_cycles(&other, options))
-            })
-            .collect();
-        self.runs.extend(more?);
+        let more: Vec<usize> = (self.runs.len()..count).collect();
+        self.runs.extend(try_each(&more, |&index| {
+            let shift = DISTANCE * accuracy * place(index);
+            // A base at rest has no runs that differ.
+            shaken(scene, shift)
+                .map_or_else(|| run_cycles(scene, options), |other| run_cycles(&other, options))
+        })?);
         Ok(())
     }
 }

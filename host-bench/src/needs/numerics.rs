@@ -1,11 +1,10 @@
 //! The cheapest method, precision and step that hold an accuracy.
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{Change, Study};
 use crate::method::{Method, Options, Precision};
-use crate::run::run_scene;
+use crate::run::{each, run_scene};
 use crate::scene_file::{Model, Scene};
 use crate::work_precision::least;
 
@@ -122,12 +121,12 @@ pub(crate) fn cheapest(
 ) -> Vec<Numerics> {
     let ladders = ladders(scene);
     let count = ladders.len();
-    let found = ladders.into_par_iter().filter_map(|ladder| {
-        let found = loosest(study, (scene, is_chaotic), &ladder);
+    let found = each(&ladders, |ladder| {
+        let found = loosest(study, (scene, is_chaotic), ladder);
         done(count);
         found
     });
-    let mut found: Vec<Numerics> = found.collect();
+    let mut found: Vec<Numerics> = found.into_iter().flatten().collect();
     for numerics in &mut found {
         (numerics.host_s_per_s, numerics.host_spread) = host_time(scene, &numerics.setting.options());
     }

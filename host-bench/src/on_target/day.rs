@@ -15,10 +15,10 @@ use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::scalar::Polynomial;
 use model_core::scene::contact_separation::Start;
 use model_core::scene::{Harvester, Simulation};
-use rayon::prelude::*;
 
 use super::Error;
 use crate::embedded::contact_separation_parameters;
+use crate::run::each;
 use crate::scene_file;
 use crate::stability::random::Source;
 
@@ -139,8 +139,9 @@ fn base(lines: &Lines, minute: usize, turns: &mut [f64; 2]) -> Result<Tones<f64,
 /// As [`energies`].
 pub fn day() -> Result<Vec<Minute>, Error> {
     let vibration = vibration();
-    let hours = (0..HOURS.len()).into_par_iter().map(|hour| energies(&vibration, hour, 60));
-    let energies: Vec<Vec<u32>> = hours.collect::<Result<_, _>>()?;
+    let hours: Vec<usize> = (0..HOURS.len()).collect();
+    let energies = each(&hours, |&hour| energies(&vibration, hour, 60));
+    let energies = energies.into_iter().collect::<Result<Vec<_>, _>>()?;
     let minutes = vibration.into_iter().zip(energies.into_iter().flatten());
     Ok(minutes.map(|(lines, energy)| Minute { lines, energy }).collect())
 }

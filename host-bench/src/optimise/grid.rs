@@ -1,9 +1,8 @@
 //! The grid over the ranges, and the places between its points that make it as fine as a resonance.
 
-use rayon::prelude::*;
-
 use super::{Point, Request};
 use crate::method::Failure;
+use crate::run::each;
 
 /// Distance of a resonance in logarithms of the frequency within which the grid is as fine as its bandwidth: a coupling moves
 /// the resonance by less. Most points between two of the grid, and most of all over those of the grid.
@@ -62,7 +61,7 @@ pub(super) fn first(request: &Request<'_>, grid: &[Vec<f64>]) -> Result<Vec<Poin
     let mut points = Vec::new();
     let mut reason = None;
     for places in grid.chunks(rayon::current_num_threads().max(1)) {
-        let tried: Vec<_> = places.par_iter().map(|place| request.run(place)).collect();
+        let tried = each(places, |place| request.run(place));
         // The first run that succeeds has the names.
         let mut named =
             places.iter().zip(&tried).filter_map(|(place, tried)| Some((place, tried.as_ref().ok()?)));

@@ -3,7 +3,6 @@
 use std::cell::RefCell;
 
 use cobyla::{Func, RhoBeg, StopTols, minimize};
-use rayon::prelude::*;
 
 use super::grid::{MOST_OF_ALL, between, first, grid};
 use super::{Optimum, Point, Request};
@@ -13,6 +12,7 @@ use crate::embedded;
 use crate::method::Failure;
 use crate::outcome::Outcome;
 use crate::report::svg::tick;
+use crate::run::each;
 use crate::shift::Best;
 
 /// Local maxima of the grid from which the search goes on.
@@ -54,7 +54,7 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
     let grid = grid(keys, request.grid);
     ahead(grid.len());
     let mut points = first(request, &grid)?;
-    points.par_extend(grid[points.len()..].par_iter().map(|place| request.point(place)));
+    points.extend(each(&grid[points.len()..], |place| request.point(place)));
     let values: Vec<f64> = points.iter().filter_map(Point::value).collect();
     if values.is_empty() {
         return Err(Failure::Input(format!(
@@ -66,7 +66,7 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
     }
     let between = between(&points, keys, request.grid);
     ahead(between.places.len());
-    points.par_extend(between.places.par_iter().map(|place| request.point(place)));
+    points.extend(each(&between.places, |place| request.point(place)));
     let is_level = values.len() > 1 && values.iter().all(|value| *value == values[0]);
     let spacing = 1.0 / (request.grid - 1) as f64;
     let mut ends = Vec::new();
@@ -75,8 +75,9 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
         let starts = maxima(&points, constrained, spacing, FOLLOWED);
         let rounds = 1 + if keys > 1 { AGAIN } else { 0 };
         ahead(starts.len() * rounds * RUNS * keys);
-        let followed = |start| followed(request, &points, start, (constrained, &between.steps), rounds);
-        let (found, ran): (Vec<Point>, Vec<Vec<Point>>) = starts.into_par_iter().map(followed).unzip();
+        let followed =
+            |start: &Point| followed(request, &points, start.clone(), (constrained, &between.steps), rounds);
+        let (found, ran): (Vec<Point>, Vec<Vec<Point>>) = each(&starts, followed).into_iter().unzip();
         points.extend(ran.into_iter().flatten());
         if constrained {
             ends = found;
@@ -310,36 +311,33 @@ fn flat(request: &Request<'_>, best: &Point) -> Vec<[f64; 2]> {
     let least = value - FLAT * value.abs();
     let sides: Vec<(usize, f64)> =
         (0..best.place.len()).flat_map(|index| [(index, -1.0), (index, 1.0)]).collect();
-    let ends: Vec<f64> = sides
-        .into_par_iter()
-        .map(|(index, sign)| {
-            let centre = best.place[index];
-            let reach = if sign < 0.0 { centre } else { 1.0 - centre };
-            let is_in = |distance: f64| {
-                let mut place = best.place.clone();
-                place[index] = (centre + sign * distance).clamp(0.0, 1.0);
-                request.point(&place).feasible().is_some_and(|value| value >= least)
-            };
-            // Outwards from near, so that a second optimum far off is no part of it.
-            let mut near = 0.0;
-            let mut far = None;
-            for step in (0..STEPS).rev() {
-                let distance = reach * 0.5_f64.powi(step);
-                if is_in(distance) {
-                    near = distance;
-                } else {
-                    far = Some(distance);
-                    break;
-                }
+    let ends = each(&sides, |&(index, sign)| {
+        let centre = best.place[index];
+        let reach = if sign < 0.0 { centre } else { 1.0 - centre };
+        let is_in = |distance: f64| {
+            let mut place = best.place.clone();
+            place[index] = (centre + sign * distance).clamp(0.0, 1.0);
+            request.point(&place).feasible().is_some_and(|value| value >= least)
+        };
+        // Outwards from near, so that a second optimum far off is no part of it.
+        let mut near = 0.0;
+        let mut far = None;
+        for step in (0..STEPS).rev() {
+            let distance = reach * 0.5_f64.powi(step);
+            if is_in(distance) {
+                near = distance;
+            } else {
+                far = Some(distance);
+                break;
             }
-            if let Some(mut far) = far {
-                for _ in 0..HALVINGS {
-                    let middle = 0.5 * (near + far);
-                    *(if is_in(middle) { &mut near } else { &mut far }) = middle;
-                }
+        }
+        if let Some(mut far) = far {
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (near + far);
+                *(if is_in(middle) { &mut near } else { &mut far }) = middle;
             }
-            request.ranges[index].value(centre + sign * near)
-        })
-        .collect();
+        }
+        request.ranges[index].value(centre + sign * near)
+    });
     ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
 }

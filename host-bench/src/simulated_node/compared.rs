@@ -4,7 +4,6 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use harvester_scene::market::{Battery, Processor, Reservoir};
-use rayon::prelude::*;
 
 use super::Source;
 use super::baseline::{Baseline, Rule};
@@ -14,6 +13,7 @@ use super::plant::{Hour, Parts, Run, World};
 use super::settings::{INCOME, Settings, begin_v};
 use super::timeline::{Course, Timeline};
 use crate::method::Failure;
+use crate::run::try_each;
 
 /// How a node knows its income and decides on its actions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -127,13 +127,13 @@ pub(crate) fn timelines(extent: &Extent) -> Result<Vec<Timeline>, Failure> {
             );
         }
     }
-    let of_course = |(kind, as_designed, course, seed)| {
+    let of_course = |&(kind, as_designed, course, seed): &_| {
         let line = Timeline::new(kind, as_designed, course, extent.hours, seed)?;
         let settings = Settings::new(kind, Processor::named(PARTS[0]).expect("a part"), 1e-3, 0.2);
         let built = settings.scaled(&line.minutes).try_map().map(|_| line);
         built.map_err(|reason| Failure::Input(format!("no node has such a harvester: {reason}")))
     };
-    all.into_par_iter().map(of_course).collect()
+    try_each(&all, of_course)
 }
 
 /// Errors of hours.

@@ -147,7 +147,7 @@ impl Kind {
     pub fn minutes(
         self,
         vibration: &[Vibration],
-        off: impl Fn(usize) -> Deviation,
+        off: &dyn Fn(usize) -> Deviation,
     ) -> Result<Vec<f64>, Failure> {
         let name = || ["node", "sliding", "bump-stop-none"][self as usize];
         let shipped = || scene_file::read(&scene_file::shipped(name()), &[]);
@@ -156,7 +156,7 @@ impl Kind {
         // The two are off alike, but for what makes their stiffness.
         macro_rules! triboelectric {
             ($parameters:expr, $stiffness:ident) => {
-                energies(vibration, &off, |Deviation { charge, damping, resistance, resonance }| {
+                energies(vibration, off, |Deviation { charge, damping, resistance, resonance }| {
                     let mut with = $parameters;
                     with.$stiffness *= resonance * resonance;
                     with.damping_ratio *= damping;
@@ -174,7 +174,7 @@ impl Kind {
             return triboelectric!(sliding_parameters::<f64>(model, load), young_modulus);
         }
         let model = scene.bump_stop()?;
-        energies(vibration, &off, |Deviation { charge, damping, resistance, resonance }| {
+        energies(vibration, off, |Deviation { charge, damping, resistance, resonance }| {
             let mut with = bump_stop_parameters::<f64>(model, load);
             with.substrate.young_modulus *= resonance * resonance;
             with.piezo.young_modulus *= resonance * resonance;
@@ -193,7 +193,7 @@ fn fail(error: impl std::fmt::Display) -> Failure {
 /// Each ten minutes the harvester is another one, at rest. The same ten minutes give the same.
 fn energies<H: Harvester<f64>>(
     vibration: &[Vibration],
-    off: &impl Fn(usize) -> Deviation,
+    off: &dyn Fn(usize) -> Deviation,
     harvester: impl Fn(Deviation) -> Result<H, Failure>,
 ) -> Result<Vec<f64>, Failure> {
     let mut energies = Vec::new();

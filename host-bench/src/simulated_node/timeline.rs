@@ -112,7 +112,7 @@ impl Timeline {
                 resonance: factor(1.005),
             }
         };
-        let minutes = kind.minutes(&vibration, |minute| {
+        let minutes = kind.minutes(&vibration, &|minute| {
             let part = (minute % 60) as f64 / 60.0 - 0.5;
             let drifts = hour_kinds[minute / 60] == VibrationKind::Drift && !as_designed;
             Deviation { resonance: off.resonance * if drifts { 1.0 + 0.02 * part } else { 1.0 }, ..off }

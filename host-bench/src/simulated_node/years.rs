@@ -10,7 +10,6 @@ use model_core::clock::Instant;
 use model_core::excitation::{Excitation, Sine};
 use model_core::node::{Board, Fault, Outage, Runner, Tier};
 use model_core::scalar::{Mathematics, Polynomial};
-use rayon::prelude::*;
 
 use super::compared::Storage;
 use super::harvester::{Deviation, Kind, tone};
@@ -18,6 +17,7 @@ use super::plant::{GRAVITY, NOISE_COUNTS};
 use super::settings::{CELL, CONVERTER_NOISE, Settings, UNIT};
 use super::{Source, Tiered};
 use crate::method::Failure;
+use crate::run::each;
 use quarter::Hours;
 pub use quarter::{Quarter, Stress};
 
@@ -45,7 +45,7 @@ impl Machine {
         for [amplitude, hertz] in MOTIONS {
             let off = Deviation { charge: 0.95, damping: 1.2, ..Deviation::NONE };
             let minutes = Kind::ContactSeparation
-                .minutes(&[tone(amplitude, hertz), tone(amplitude, hertz)], |_| off)?;
+                .minutes(&[tone(amplitude, hertz), tone(amplitude, hertz)], &|_| off)?;
             powers.push(minutes[1] / 60.0);
             sines.extend(Sine::new(amplitude, hertz, 0.3));
         }
@@ -364,7 +364,7 @@ pub fn years(days: u32, storages: &[Storage]) -> Result<Vec<Quarter>, Failure> {
             }
         }
     }
-    let of_case = |(of, still_nights, stress, tier): (Storage, bool, Stress, &'static str)| {
+    let of_case = |&(of, still_nights, stress, tier): &(Storage, bool, Stress, &'static str)| {
         let Storage { name: storage, capacitance: capacitance_f, leakage, .. } = of;
         let leakage = if leakage.is_finite() { leakage } else { LEAKING / capacitance_f };
         let base = Settings::new(
@@ -387,6 +387,6 @@ pub fn years(days: u32, storages: &[Storage]) -> Result<Vec<Quarter>, Failure> {
             live(quarter, &[base.voltage(), next.voltage()], site, base.scale)
         }
     };
-    let quarters: Vec<Vec<Quarter>> = cases.into_par_iter().map(of_case).collect();
+    let quarters = each(&cases, of_case);
     Ok(quarters.concat())
 }

@@ -1,12 +1,10 @@
 //! The runs that are more accurate, and what is compared of two runs.
 
-use rayon::prelude::*;
-
 use crate::embedded::DEFAULT_SHORT_STEP_S;
 use crate::method::{Options, Precision};
 use crate::outcome::{Outcome, standard_error_of_sum};
 use crate::reference::{self, ReferenceOptions};
-use crate::run::run_scene;
+use crate::run::{each, run_scene};
 use crate::scene_file::{Model, Scene};
 use crate::shift::{SHIFT, shifted};
 
@@ -188,12 +186,8 @@ impl Ensemble {
         // The scene itself is the first.
         let places: Vec<i32> =
             std::iter::once(0).chain((1..=pairs).flat_map(|place| [place, -place])).collect();
-        Self(
-            places
-                .into_par_iter()
-                .filter_map(|place| tighter(&scene_at(place)?, options, halvings))
-                .collect(),
-        )
+        let of = |&place: &i32| tighter(&scene_at(place)?, options, halvings);
+        Self(each(&places, of).into_iter().flatten().collect())
     }
 
     /// The mean of a quantity; not-a-number without runs.

@@ -205,7 +205,7 @@ fn a_week_of_the_larger_harvester_costs_less_than_a_hundredth_and_never_locks_ou
         .collect();
     let short: Vec<Vibration> =
         hours.iter().flat_map(|vibration| [vibration.clone(), vibration.clone()]).collect();
-    let energies = kind.minutes(&short, |_| Deviation::NONE).expect("steps");
+    let energies = kind.minutes(&short, &|_| Deviation::NONE).expect("steps");
     let minutes: Vec<f64> = (0..60 * hours.len()).map(|minute| energies[2 * (minute / 60) + 1]).collect();
     let vibration: Vec<Vibration> = (0..60 * hours.len()).map(|minute| hours[minute / 60].clone()).collect();
     let income = minutes.iter().sum::<f64>() / (60.0 * minutes.len() as f64);

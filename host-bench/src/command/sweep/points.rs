@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
-
 use super::rows::{Rows, file_of};
 use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
@@ -19,7 +17,7 @@ use crate::name::Name;
 use crate::outcome::{Fields, Outcome, STABLE, fields, flattened, number, rows_csv};
 use crate::report::Picture;
 use crate::report::setting::{margin, setting};
-use crate::run::{run_scene, stopped_as_text, try_run_scene};
+use crate::run::{run_scene, stopped_as_text, try_each, try_run_scene};
 use crate::scene_file::{self, Override, Scene};
 use crate::stability::{build, fnv_1a};
 
@@ -111,9 +109,8 @@ impl Points<'_> {
         options.check()?;
         storage_voltage.check(options.steady_state)?;
         let outputs = Outputs::of(&scene.scene, &scene.overrides)?.and(others);
-        (0..self.count)
-            .into_par_iter()
-            .try_for_each(|index| options.check_scene(&self.scene(&(self.values)(index))?))?;
+        let all: Vec<usize> = (0..self.count).collect();
+        try_each(&all, |&index| options.check_scene(&self.scene(&(self.values)(index))?))?;
         // A key that is set may vary about that value.
         let is_about = |key: &str| self.keys.iter().any(|one| one.0 != "--over" && one.1 == key);
         let overrides = scene.overrides.iter().map(|change| ("--set", change.key()));
@@ -134,17 +131,16 @@ impl Points<'_> {
             }
             None => None,
         };
-        let own: Vec<usize> = (0..self.count).filter(|index| parts.has(*index)).collect();
+        let own: Vec<usize> = all.into_iter().filter(|index| parts.has(*index)).collect();
         if let Some(done) = rows.as_ref().map(Rows::count).filter(|done| *done > 0) {
             note(&format!("{done} of {} points were done before", own.len()));
         }
         let points = with_progress(own.len(), |bar| {
-            let point = |index| {
+            try_each(&own, |&index| {
                 let point = self.point(&options, index, rows.as_ref());
                 bar.inc(1);
                 point
-            };
-            own.into_par_iter().map(point).collect::<Result<Vec<Point>, Failure>>()
+            })
         })?;
         if parts.is_one() {
             let failed = points.iter().filter(|point| point.found.is_err()).count();
