@@ -24,7 +24,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 pub use orbit::{Orbit, Response, Verdict};
 pub use period_map::{Coordinates, ForcedSystem, Spent, Total};
-pub(crate) use period_map::{MOST_ATTEMPTS, given_up};
+pub(crate) use period_map::{MOST_ATTEMPTS, Watching, given_up};
 pub use resonance::{BestLoad, DEFAULT_POINTS, Peak, Resonance, best_load, resonance};
 
 /// Size of the finite differences, relative to the scale of each entry.

@@ -122,7 +122,7 @@ fn loaded(scene: &Scene, value: f64) -> Scene {
 fn triboelectric<M, T>(scene: &Scene, model: &T) -> Result<Box<dyn CoSimulation>, Failure>
 where
     M: Mathematics<f64>,
-    T: Triboelectric<Core<f64, M>: 'static> + Clone + 'static,
+    T: Triboelectric<Core<f64>: 'static> + Clone + 'static,
     T::Start<f64>: 'static,
 {
     let (variables, scene, model) = (variables(scene)?, scene.clone(), model.clone());

@@ -2,17 +2,21 @@
 
 use std::marker::PhantomData;
 
+use model_core::bounds::ParameterError;
 use model_core::clock::Instant;
 use model_core::energy::Residual;
 use model_core::observer::AcceptedStep;
 use model_core::part::VACUUM_PERMITTIVITY;
 use model_core::part::load::AnyLoad;
 use model_core::part::parasitic::ParasiticCapacitance;
-use model_core::part::restitution::{AnyRestitution, ConstantRestitution, VelocityDependentRestitution};
+use model_core::part::restitution::{
+    AnyRestitution, ConstantRestitution, Restitution as Law, VelocityDependentRestitution,
+};
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::contact_separation::{
     self, AnyChoices, AnyForceLaw, Choices, ContactSeparation as Harvester, Parameters, Start,
 };
+use model_core::snapshot::Fingerprint;
 
 use super::limits::{Gauge, UNUSED, limits};
 use super::report::{RunSummary, dense};
@@ -29,30 +33,83 @@ pub fn parameters<S: Scalar, M: Mathematics<S>>(
     model: &ContactSeparation,
     load: Load,
 ) -> Parameters<S, AnyChoices<S, M>> {
+    parameters_with(model, load, restitution(model.parameters.restitution))
+}
+
+/// The core's parameters of a scene with a law of restitution of the core.
+fn parameters_with<S: Scalar, L>(
+    model: &ContactSeparation,
+    load: Load,
+    restitution: L,
+) -> Parameters<S, HostChoices<S, L>> {
     let from = &model.parameters;
     let number = S::from_f64;
     model_core::contact_separation_numbers!(harvester_scene::of_rows! { core from Parameters {
         choices: Choices {
             load: AnyLoad { resistance: number(load.resistance_ohm()) },
-            restitution: match from.restitution {
-                Restitution::Constant { coefficient } => {
-                    AnyRestitution::Constant(ConstantRestitution { coefficient: number(coefficient) })
-                }
-                Restitution::VelocityDependent { at_rest, at_speed, reference_speed_m_per_s } => {
-                    AnyRestitution::VelocityDependent(VelocityDependentRestitution {
-                        at_rest: number(at_rest),
-                        at_speed: number(at_speed),
-                        reference_speed: number(reference_speed_m_per_s),
-                        mathematics: PhantomData,
-                    })
-                }
-            },
+            restitution,
             force_law: force_law(from.force_law),
             parasitic: ParasiticCapacitance { capacitance: number(from.parasitic_capacitance_f) },
             sticking: sticking(from.stick_charge),
         },
     } })
 }
+
+fn restitution<S: Scalar, M: Mathematics<S>>(law: Restitution) -> AnyRestitution<S, M> {
+    let number = S::from_f64;
+    match law {
+        Restitution::Constant { coefficient } => {
+            AnyRestitution::Constant(ConstantRestitution { coefficient: number(coefficient) })
+        }
+        Restitution::VelocityDependent { at_rest, at_speed, reference_speed_m_per_s } => {
+            AnyRestitution::VelocityDependent(VelocityDependentRestitution {
+                at_rest: number(at_rest),
+                at_speed: number(at_speed),
+                reference_speed: number(reference_speed_m_per_s),
+                mathematics: PhantomData,
+            })
+        }
+    }
+}
+
+/// A law of restitution with elementary functions that are chosen at run time: an impact calls them once, and the harvester
+/// is compiled once for all of them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct HostRestitution<S> {
+    law: Restitution,
+    /// The coefficient of the law at a speed in m/s.
+    coefficient: fn(Restitution, S) -> S,
+}
+
+impl<S: Scalar> HostRestitution<S> {
+    fn new<M: Mathematics<S>>(law: Restitution) -> Self {
+        Self { law, coefficient: |law, speed| restitution::<S, M>(law).coefficient(speed) }
+    }
+}
+
+impl<S> PartialEq for HostRestitution<S> {
+    fn eq(&self, other: &Self) -> bool {
+        self.law == other.law
+    }
+}
+
+impl<S: Scalar> Law<S> for HostRestitution<S> {
+    fn coefficient(&self, speed: S) -> S {
+        (self.coefficient)(self.law, speed)
+    }
+
+    fn check(&self) -> Result<(), ParameterError<S>> {
+        restitution::<S, S::Build>(self.law).check()
+    }
+
+    fn identify(&self, fingerprint: &mut Fingerprint) {
+        restitution::<S, S::Build>(self.law).identify(fingerprint);
+    }
+}
+
+/// The choices of a scene file with a law of restitution of the core.
+type HostChoices<S, L> =
+    Choices<AnyLoad<S>, L, AnyForceLaw, ParasiticCapacitance<S>, contact_separation::StickCharge>;
 
 pub(super) fn force_law(law: ForceLaw) -> AnyForceLaw {
     match law {
@@ -71,12 +128,14 @@ pub(super) fn sticking(charge: StickCharge) -> contact_separation::StickCharge {
 }
 
 impl Triboelectric for ContactSeparation {
-    type Core<S: Scalar, M: Mathematics<S>> = Harvester<S, AnyChoices<S, M>>;
+    type Core<S: Scalar> = Harvester<S, HostChoices<S, HostRestitution<S>>>;
     type Start<S: Scalar> = Start<S>;
     const COLUMNS: [&'static str; 7] = CONTACT_SEPARATION_COLUMNS;
 
-    fn core<S: Scalar, M: Mathematics<S>>(&self, scene: &Scene) -> Result<Self::Core<S, M>, Failure> {
-        parameters::<S, M>(self, scene.load).build().map_err(|error| refuse_parameter(scene, &error))
+    fn core<S: Scalar, M: Mathematics<S>>(&self, scene: &Scene) -> Result<Self::Core<S>, Failure> {
+        parameters_with(self, scene.load, HostRestitution::new::<M>(self.parameters.restitution))
+            .build()
+            .map_err(|error| refuse_parameter(scene, &error))
     }
 
     fn start<S: Scalar>(&self) -> Start<S> {
@@ -88,7 +147,7 @@ impl Triboelectric for ContactSeparation {
     }
 
     /// With the capacitance C + C_p, and C at three times the initial gap.
-    fn explicit_step<S: Scalar, M: Mathematics<S>>(&self, _core: &Self::Core<S, M>, load: Load) -> f64 {
+    fn explicit_step<S: Scalar>(&self, _core: &Self::Core<S>, load: Load) -> f64 {
         let from = &self.parameters;
         let period = std::f64::consts::TAU * (from.mass_kg / from.stiffness_n_per_m).sqrt();
         let distance = 3.0 * from.initial_gap_m + from.dielectric_thickness_m / from.relative_permittivity;
@@ -98,7 +157,7 @@ impl Triboelectric for ContactSeparation {
     }
 
     /// In a motion that uses the whole gap.
-    fn typical<S: Scalar, M: Mathematics<S>>(&self, core: &Self::Core<S, M>) -> [f64; STATES] {
+    fn typical<S: Scalar>(&self, core: &Self::Core<S>) -> [f64; STATES] {
         let from = &self.parameters;
         let tribo_charge = from.charge_density_c_per_m2 * from.electrode_area_m2;
         [

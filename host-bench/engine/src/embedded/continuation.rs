@@ -17,7 +17,9 @@ use super::bump_stop::{begun, by_modes, parameters, resistance};
 use super::excitation::{HostExcitation, Setting, bridge, with_setting};
 use super::run::{BUDGET, refuse_parameter, refuse_start};
 use super::triboelectric::{STATES, Triboelectric, behind_bridge, prepared};
-use crate::steady_state::{Coordinates, ForcedSystem, MOST_ATTEMPTS, Spent, Total, Verdict, given_up};
+use crate::steady_state::{
+    Coordinates, ForcedSystem, MOST_ATTEMPTS, Spent, Total, Verdict, Watching, given_up,
+};
 use harvester_scene::method::{Failure, Method, Options, Precision, refuse_first};
 use harvester_scene::scene_file::{BumpStop, Excitation as SceneExcitation, Load, Scene, Tone};
 
@@ -81,6 +83,16 @@ pub fn with_continuation<R>(
     options: &Options,
     with: impl FnOnce(&mut dyn AmplitudeContinuation) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
+    let (mut with, mut found) = (Some(with), None);
+    called(scene, frequency_hz, options, &mut |continuation| {
+        found = with.take().map(|with| with(continuation));
+        Ok(())
+    })?;
+    found.unwrap_or_else(|| unreachable!("a harvester that started calls once"))
+}
+
+/// [`with_continuation`] without a type that the caller chooses: it would be compiled with all harvesters in the caller's crate.
+fn called(scene: &Scene, frequency_hz: f64, options: &Options, call: With<'_>) -> Result<(), Failure> {
     options.check()?;
     options.check_scene(scene)?;
     let own = by_harvester!(scene,
@@ -94,17 +106,11 @@ pub fn with_continuation<R>(
     ])?;
     let mut scene = scene.clone();
     scene.excitation = SceneExcitation::Sine(Tone { amplitude_m_per_s2: 0.0, frequency_hz, phase_rad: 0.0 });
-    let (mut with, mut found) = (Some(with), None);
-    let mut call = |continuation: &mut dyn AmplitudeContinuation| {
-        found = with.take().map(|with| with(continuation));
-        Ok(())
-    };
     with_setting::<f64, Polynomial, _>(&scene, options, |setting| {
         by_harvester!(&scene,
-            triboelectric(model) => triboelectric(setting, model, frequency_hz, &mut call),
-            bump_stop(model) => beam(setting, model, frequency_hz, &mut call))
-    })?;
-    found.unwrap_or_else(|| unreachable!("a harvester that started calls once"))
+            triboelectric(model) => triboelectric(setting, model, frequency_hz, call),
+            bump_stop(model) => beam(setting, model, frequency_hz, call))
+    })
 }
 
 /// The fingerprint of the harvester of a scene in `f32`, as a node has it: its parameters, and its load or the diodes of
@@ -305,7 +311,8 @@ impl<'a, H: Harvester<f64>> Sweep<'a, H> {
         self.state = orbit.start;
         let mut meter = RunMeter::starting_at(&self.harvester.outputs(&self.state));
         let phase = self.harvester.clock(&self.state).seconds::<f64>() * self.frequency_hz;
-        self.advance(excitation, phase + 1.0, &mut meter)?;
+        let watching: &mut Watching<'_, '_> = &mut (&mut None, &mut Some(&mut meter));
+        self.advance(excitation, phase + 1.0, watching)?;
         self.advance(excitation, phase.ceil() + 1.0, &mut ())?;
         self.periods += 1.0 + phase.ceil() - phase;
         let is_upper = self.is_upper(&meter.report());
@@ -321,7 +328,8 @@ impl<'a, H: Harvester<f64>> Sweep<'a, H> {
         let mut touched = 0;
         for window in 1..=MOST_WINDOWS {
             let mut meter = RunMeter::starting_at(&self.harvester.outputs(&self.state));
-            self.advance(excitation, self.window * window as f64, &mut meter)?;
+            let watching: &mut Watching<'_, '_> = &mut (&mut None, &mut Some(&mut meter));
+            self.advance(excitation, self.window * window as f64, watching)?;
             self.periods += self.window;
             let is_upper = self.is_upper(&meter.report());
             let value = self.value(&meter);

@@ -6,7 +6,7 @@ use cpu_time::ThreadTime;
 use model_core::clock::{Instant, LONGEST_STEP_S};
 use model_core::energy::{Ledger, Residual, RunMeter};
 use model_core::integrate::{Adaptive, AnyStepControl, FixedStep};
-use model_core::observer::PowerIndex;
+use model_core::observer::{PowerIndex, StorageOutput};
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 
@@ -203,7 +203,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         let (rows, impacts_s) = recorder.into_parts();
         let columns = self.report.columns(harvester.outputs(state).storage.is_some());
         let trace = options.trace_every_s.map(|_| Recording { columns, rows, impacts_s });
-        Ok(Outcome { trace, ..self.outcome(state, span, &meters, &total, processor_s) })
+        Ok(Outcome { trace, ..self.outcome(state, span, &meters, (&total, processor_s)) })
     }
 
     /// Advances to `until`, within the attempts that the options allow.
@@ -236,14 +236,8 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             progress::report(at / scene.run.duration_s, [total.attempts(), total.events]);
             if may_be_stuck && total.attempts() >= mark.0 + STUCK.0 {
                 if frequency * (at - mark.1) < STUCK.1 && harvester.clock(state) < until {
-                    let steps = total.attempts() - mark.0;
-                    return Err(Failure::Step(format!(
-                        "steps without end at {at} s: {steps} attempts advanced {:.1e} s; a voltage may be within \
-                         its roundings in {}: {}",
-                        at - mark.1,
-                        precision_name::<S>(),
-                        self.report.describe(&harvester.outputs(state))
-                    )));
+                    let described = self.report.describe(&harvester.outputs(state));
+                    return Err(stuck(at, total.attempts() - mark.0, at - mark.1, &described));
                 }
                 mark = (total.attempts(), at);
             }
@@ -251,27 +245,63 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
         Ok(())
     }
 
+    /// The outcome of a run that ended in `state`.
     fn outcome(
         &self,
         state: &H::State,
         span: &RunSpan,
         meters: &Meters<'_, S>,
-        total: &Total,
-        processor_s: f64,
+        (total, processor_s): (&Total, f64),
     ) -> Outcome {
-        let Self { setting: Setting { scene, math, .. }, harvester, report, .. } = *self;
-        let number = |value: S| Some(value.to_f64());
+        let Self { setting, harvester, report, method } = *self;
         let window = &meters.window;
+        let ledger = meters.whole.as_ref().map(|(ledger, _)| ledger);
         let found = RunSummary {
             window,
             first_contact: meters.whole.as_ref().and_then(|(_, meter)| meter.report().first_contact),
-            periods: scene.excitation.single_frequency().map(|frequency| frequency * span.window_s()),
+            periods: setting.scene.excitation.single_frequency().map(|frequency| frequency * span.window_s()),
             clamp: meters.clamp.as_ref(),
         };
-        let ledger = meters.whole.as_ref().map(|(ledger, _)| ledger);
+        let created = report.created_energy(window).zip(ledger).map(|(created, ledger)| {
+            let delivered = window.delivered_energy().to_f64();
+            CreatedEnergy::new(created.to_f64(), delivered, remainder(ledger))
+        });
+        let own = Outcome {
+            method: name(&method),
+            created,
+            energy_residual: ledger.and_then(|ledger| report.residual(&ledger.residual())).map(S::to_f64),
+            particular: report.particular(harvester, &found, state),
+            store: harvester.outputs(state).storage.map(|storage| meters.store(&storage)),
+            processor_s,
+            ..Outcome::default()
+        };
+        meters.outcome(setting, span, total, own)
+    }
+
+    /// The end of a run in a step that cannot be taken, with the state.
+    pub(super) fn step_failure(&self, error: impl Display, state: &H::State) -> Failure {
+        Failure::Step(format!("{error}: {}", self.report.describe(&self.harvester.outputs(state))))
+    }
+}
+
+/// The end of a run that attempted so many steps for so little of its time, in s.
+fn stuck(at: f64, steps: u64, advanced_s: f64, described: &str) -> Failure {
+    Failure::Step(format!(
+        "steps without end at {at} s: {steps} attempts advanced {advanced_s:.1e} s; a voltage may be within its \
+         roundings in f32: {described}"
+    ))
+}
+
+/// What is the same for every harvester, compiled once for each precision.
+impl<S: Scalar> Meters<'_, S> {
+    /// An outcome with what the meters of any harvester know, from the part that depends on the harvester.
+    fn outcome(&self, setting: Setting<'_, S>, span: &RunSpan, total: &Total, own: Outcome) -> Outcome {
+        let Setting { scene, math, .. } = setting;
+        let number = |value: S| Some(value.to_f64());
+        let window = &self.window;
+        let ledger = self.whole.as_ref().map(|(ledger, _)| ledger);
         Outcome {
             scene: scene.name(),
-            method: name(&self.method),
             precision: precision_name::<S>(),
             math,
             duration_s: span.duration_s,
@@ -281,48 +311,31 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             peak_voltage_v: number(window.report().voltage.magnitude()),
             mean_voltage_v: ledger.and_then(|_| number(window.integrals().mean(PowerIndex::Voltage))),
             delivered_energy_j: number(window.delivered_energy()),
-            created: report.created_energy(window).zip(ledger).map(|(created, ledger)| {
-                let delivered = window.delivered_energy().to_f64();
-                CreatedEnergy::new(created.to_f64(), delivered, remainder(ledger))
-            }),
             base_rms_m_per_s2: scene.excitation.random().map(Random::rms_m_per_s2),
-            energy_residual: ledger.and_then(|ledger| report.residual(&ledger.residual())).map(S::to_f64),
             steps: total.steps,
             rejected_steps: total.rejected,
             newton_iterations: total.iterations,
             events: total.events,
-            processor_s,
-            particular: report.particular(harvester, &found, state),
-            store: self.store(state, meters),
             flow: ledger.map(energy_flow),
-            margins: meters.margins.as_ref().map_or_else(Margins::default, Compared::margins),
-            block_energies_j: meters
-                .blocks
-                .as_ref()
-                .map_or_else(Vec::new, |blocks| blocks.energies_j.to_vec()),
-            ..Outcome::default()
+            margins: self.margins.as_ref().map_or_else(Margins::default, Compared::margins),
+            block_energies_j: self.blocks.as_ref().map_or_else(Vec::new, |blocks| blocks.energies_j.to_vec()),
+            ..own
         }
     }
 
     /// What the storage behind a bridge holds at the end, and what it lost.
-    fn store(&self, state: &H::State, meters: &Meters<'_, S>) -> Option<StoreOutcome> {
-        let storage = self.harvester.outputs(state).storage?;
-        let ledger = meters.whole.as_ref().map(|(ledger, _)| ledger);
+    fn store(&self, storage: &StorageOutput<S>) -> StoreOutcome {
+        let ledger = self.whole.as_ref().map(|(ledger, _)| ledger);
         let spent = |power| ledger.map(|ledger| ledger.integrals().integral(power).to_f64());
-        let current = meters.window.integrals().mean(PowerIndex::CurrentMagnitude);
-        Some(StoreOutcome {
+        let current = self.window.integrals().mean(PowerIndex::CurrentMagnitude);
+        StoreOutcome {
             store_voltage_v: Some(storage.voltage.to_f64()),
             mean_store_current_a: ledger.map(|_| current.to_f64()),
             stored_energy_j: storage.capacitance.is_finite().then(|| storage.energy().to_f64()),
             diode_loss_j: spent(PowerIndex::Diodes),
             leaked_energy_j: spent(PowerIndex::Leakage),
             drawn_energy_j: spent(PowerIndex::Draw),
-            cycles: meters.blocks.as_ref().and_then(Blocks::cycles),
-        })
-    }
-
-    /// The end of a run in a step that cannot be taken, with the state.
-    pub(super) fn step_failure(&self, error: impl Display, state: &H::State) -> Failure {
-        Failure::Step(format!("{error}: {}", self.report.describe(&self.harvester.outputs(state))))
+            cycles: self.blocks.as_ref().and_then(Blocks::cycles),
+        }
     }
 }

@@ -40,11 +40,11 @@ pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyCh
 }
 
 impl Triboelectric for Sliding {
-    type Core<S: Scalar, M: Mathematics<S>> = Harvester<S, AnyChoices<S>>;
+    type Core<S: Scalar> = Harvester<S, AnyChoices<S>>;
     type Start<S: Scalar> = Start<S>;
     const COLUMNS: [&'static str; 7] = SLIDING_COLUMNS;
 
-    fn core<S: Scalar, M: Mathematics<S>>(&self, scene: &Scene) -> Result<Self::Core<S, M>, Failure> {
+    fn core<S: Scalar, M: Mathematics<S>>(&self, scene: &Scene) -> Result<Self::Core<S>, Failure> {
         parameters::<S>(self, scene.load).build().map_err(|error| refuse_parameter(scene, &error))
     }
 
@@ -57,7 +57,7 @@ impl Triboelectric for Sliding {
     }
 
     /// With the capacitance at a fiftieth of the overlap.
-    fn explicit_step<S: Scalar, M: Mathematics<S>>(&self, core: &Self::Core<S, M>, load: Load) -> f64 {
+    fn explicit_step<S: Scalar>(&self, core: &Self::Core<S>, load: Load) -> f64 {
         let from = &self.parameters;
         let period = std::f64::consts::TAU / core.angular_frequency().to_f64();
         let area = std::f64::consts::PI * from.patch_radius_m.powi(2);
@@ -67,7 +67,7 @@ impl Triboelectric for Sliding {
     }
 
     /// In a motion over half the patch.
-    fn typical<S: Scalar, M: Mathematics<S>>(&self, core: &Self::Core<S, M>) -> [f64; STATES] {
+    fn typical<S: Scalar>(&self, core: &Self::Core<S>) -> [f64; STATES] {
         let from = &self.parameters;
         let tribo_charge =
             from.charge_density_c_per_m2 * std::f64::consts::PI * from.patch_radius_m * from.patch_radius_m;

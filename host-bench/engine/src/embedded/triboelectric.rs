@@ -25,23 +25,24 @@ pub(super) const PARTS: u32 = 4;
 
 /// A triboelectric model of a scene file, for the core.
 pub(super) trait Triboelectric {
-    /// The core's harvester, with the elementary functions `M`.
-    type Core<S: Scalar, M: Mathematics<S>>: ElectricalPort<S>
+    /// The core's harvester. It has no elementary functions as a type, so that one is compiled for all of them.
+    type Core<S: Scalar>: ElectricalPort<S>
         + CoreScene<S, STATES, 0, Start = Self::Start<S>, Mode: Send + Sync>
         + CoreScene<S, STATES, ALL_POWERS, Start = Self::Start<S>, Mode: Send + Sync>;
     type Start<S: Scalar>;
     /// Columns of a trace without a storage: the second is the coordinate.
     const COLUMNS: [&'static str; 7];
 
-    fn core<S: Scalar, M: Mathematics<S>>(&self, scene: &Scene) -> Result<Self::Core<S, M>, Failure>;
+    /// With the elementary functions `M`.
+    fn core<S: Scalar, M: Mathematics<S>>(&self, scene: &Scene) -> Result<Self::Core<S>, Failure>;
 
     fn start<S: Scalar>(&self) -> Self::Start<S>;
 
     /// A step in s at which the explicit method is stable and accurate: see [`explicit_step_into`].
-    fn explicit_step<S: Scalar, M: Mathematics<S>>(&self, core: &Self::Core<S, M>, load: Load) -> f64;
+    fn explicit_step<S: Scalar>(&self, core: &Self::Core<S>, load: Load) -> f64;
 
     /// Position, velocity and charge as large as they are in a wide motion, in the units of the state.
-    fn typical<S: Scalar, M: Mathematics<S>>(&self, core: &Self::Core<S, M>) -> [f64; STATES];
+    fn typical<S: Scalar>(&self, core: &Self::Core<S>) -> [f64; STATES];
 
     /// The relative residual of the energy ledger that holds for this scene.
     fn residual<S: Scalar>(&self, residual: &Residual<S>) -> Option<S>;
@@ -130,13 +131,13 @@ pub(super) struct Prepared<'a, S: Scalar, A, T> {
 pub(super) type Simulated<S, A, I, const N: usize> = Simulation<A, I, AnyStepControl<S>, N, ALL_POWERS>;
 
 /// A scene of the core, not behind a bridge.
-type Bare<'a, S, M, T> = Prepared<'a, S, <T as Triboelectric>::Core<S, M>, T>;
+type Bare<'a, S, T> = Prepared<'a, S, <T as Triboelectric>::Core<S>, T>;
 
 /// All that a run of a scene with a resistor needs.
 pub(super) fn prepared<'a, S: Scalar, M: Mathematics<S>, T: Triboelectric>(
     setting: Setting<'a, S>,
     model: &'a T,
-) -> Result<Bare<'a, S, M, T>, Failure> {
+) -> Result<Bare<'a, S, T>, Failure> {
     let Setting { scene, options, .. } = setting;
     let core = model.core::<S, M>(scene)?;
     let control = step_control(scene, options, model.explicit_step(&core, scene.load))?;
@@ -144,13 +145,13 @@ pub(super) fn prepared<'a, S: Scalar, M: Mathematics<S>, T: Triboelectric>(
 }
 
 /// A scene of the core behind a bridge.
-type Bridged<'a, S, M, T> = Prepared<'a, S, Rectified<S, <T as Triboelectric>::Core<S, M>, AnyStorage<S>>, T>;
+type Bridged<'a, S, T> = Prepared<'a, S, Rectified<S, <T as Triboelectric>::Core<S>, AnyStorage<S>>, T>;
 
 /// All that a run of a scene behind a bridge needs.
 pub(super) fn behind_bridge<'a, S: Scalar, M: Mathematics<S>, T: Triboelectric>(
     setting: Setting<'a, S>,
     model: &'a T,
-) -> Result<Bridged<'a, S, M, T>, Failure> {
+) -> Result<Bridged<'a, S, T>, Failure> {
     let Setting { scene, options, .. } = setting;
     let bridge = bridge(scene.load)
         .ok_or_else(|| Failure::of_file(scene, "load.kind: must be a bridge, is \"resistor\""))?;

@@ -8,7 +8,7 @@ use nalgebra::Complex;
 
 use harvester_scene::method::Failure;
 
-use super::period_map::{Coordinates, ForcedSystem, Spent};
+use super::period_map::{Coordinates, ForcedSystem, Spent, Watching};
 use super::{Linearisation, Map, NotFound};
 
 /// Change of the state, in units of the size of the motion, below which an orbit counts as found.
@@ -197,7 +197,8 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
     /// The response of one period of an orbit by the meters; `None` if a step cannot be taken.
     pub fn response(&self, orbit: &Orbit<H::State>, spent: &mut Spent) -> Option<Response> {
         let mut meter = RunMeter::new();
-        self.period(&orbit.start, &orbit.coordinates, &mut meter, spent)?;
+        let watching: &mut Watching<'_, '_> = &mut (&mut None, &mut Some(&mut meter));
+        self.period(&orbit.start, &orbit.coordinates, watching, spent)?;
         let mean_power_w = meter.mean_power();
         let has_storage = self.harvester.outputs(&orbit.start).storage.is_some();
         let current = meter.integrals().mean(PowerIndex::CurrentMagnitude);

@@ -1,6 +1,7 @@
 //! The period map: a state at one phase of the excitation, and the state one period later.
 
 use model_core::clock::Instant;
+use model_core::energy::RunMeter;
 use model_core::excitation::Excitation;
 use model_core::hybrid::Work;
 use model_core::observer::{AcceptedStep, Event, Observer};
@@ -127,7 +128,8 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
         for part in 1..=u64::from(H::PARTS) {
             let end = Instant::from_ticks(from + length / u64::from(H::PARTS) * part);
             let end = if part == u64::from(H::PARTS) { until } else { end };
-            self.advance(state, end, &mut watch, spent)?;
+            let watching: &mut Watching<'_, '_> = &mut (&mut Some(&mut watch), &mut None);
+            self.advance(state, end, watching, spent)?;
             if H::PARTS > 1 {
                 watch.see(&self.harvester.coordinates(state));
             }
@@ -164,9 +166,12 @@ pub(crate) fn given_up(most: u64, at: Instant) -> Failure {
     Failure::StepLimitExceeded(format!("given up after {most} attempted steps at {at_s} s"))
 }
 
+/// What watches a motion, what measures it, or both: in one type, for which a harvester is compiled once.
+pub(crate) type Watching<'a, 'b> = (&'a mut Option<&'b mut Watch>, &'a mut Option<&'b mut RunMeter<f64>>);
+
 /// The smooth stretches of a motion, and the extremes of each coordinate.
 #[derive(Debug)]
-pub(super) struct Watch {
+pub(crate) struct Watch {
     stretches: Vec<Stretch>,
     event: bool,
     /// Whether the outputs have the coordinates.

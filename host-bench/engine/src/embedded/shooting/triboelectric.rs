@@ -56,17 +56,17 @@ struct Triboelectrical<'a, T, A: Automaton<f64, N, ALL_POWERS>, const N: usize> 
 /// A scene with a resistor.
 pub(super) fn bare<'a, M: Mathematics<f64>, T: Triboelectric>(model: &'a T) -> Box<dyn Kind + 'a>
 where
-    <T::Core<f64, M> as Automaton<f64, STATES, ALL_POWERS>>::Mode: 'static,
+    <T::Core<f64> as Automaton<f64, STATES, ALL_POWERS>>::Mode: 'static,
 {
-    let typical = |model: &T, core: &T::Core<f64, M>| model.typical(core);
+    let typical = |model: &T, core: &T::Core<f64>| model.typical(core);
     Box::new(Triboelectrical { model, prepare: prepared::<f64, M, T>, typical, known: None })
 }
 
 pub(super) fn bridged<'a, M: Mathematics<f64>, T: Triboelectric>(model: &'a T) -> Box<dyn Kind + 'a>
 where
-    <T::Core<f64, M> as Automaton<f64, STATES, 0>>::Mode: 'static,
+    <T::Core<f64> as Automaton<f64, STATES, 0>>::Mode: 'static,
 {
-    let typical = |model: &T, core: &Rectified<f64, T::Core<f64, M>, AnyStorage<f64>>| {
+    let typical = |model: &T, core: &Rectified<f64, T::Core<f64>, AnyStorage<f64>>| {
         let [position, velocity, charge] = model.typical(core.harvester());
         // The voltage of a bus does not change.
         [position, velocity, charge, 1.0]
