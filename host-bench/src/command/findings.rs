@@ -12,7 +12,7 @@ use super::{count, fail_after_result, json_text, note, print, progress, with_pro
 use crate::figures::{self, Chapter, Figure, Subject};
 use crate::findings::{self, Check, Finding, Mark, Robustness, Row, wanted};
 use crate::method::Failure;
-use crate::outcome::{Format, csv, table};
+use crate::outcome::{Format, csv, folded, table};
 use crate::rows::{Column, Digits, Rows};
 use crate::validation;
 
@@ -83,11 +83,7 @@ fn robustness(arguments: &FindingsArguments) -> Result<(), Failure> {
     })
 }
 
-/// Width of the columns of quantity and measured values.
-const QUANTITY: usize = 62;
-const MEASURED: usize = 36;
-
-/// The rows for people: number, statement and mark, then a line for each quantity with its values and what is asserted.
+/// The rows for people: number, mark and statement, then each quantity with its values and what is asserted.
 pub(super) fn text(rows: &[Row]) -> String {
     let count = |mark: Mark| rows.iter().filter(|row| row.mark() == mark).count();
     let totals = format!(
@@ -108,16 +104,18 @@ fn row_text(row: &Row) -> String {
     let mark = row.mark().name();
     let expected = if row.is_as_expected() { "" } else { " (not as expected)" };
     let robustness = finding.robustness.text();
-    let mut text = format!("{:>3}  {mark}{expected}, {robustness}: {}\n", finding.number, finding.statement);
-    text += &format!("     {}; {}\n", finding.source, finding.scene);
+    let line = |text: String, indent: usize| folded(&format!("     {text}"), indent) + "\n";
+    let mut text = format!("{:>3}  {mark}{expected}, {robustness}: {}", finding.number, finding.statement);
+    text = folded(&text, 5) + "\n" + &line(format!("{}; {}", finding.source, finding.scene), 5);
     if !finding.note.is_empty() {
-        text += &format!("     {}\n", finding.note);
+        text += &line(finding.note.to_owned(), 5);
     }
     for check in &row.checks {
-        let (quantity, shown, assertion) = (&check.quantity, check.shown(), check.assertion());
-        let line = format!("     {quantity:<QUANTITY$}  {shown:<MEASURED$}  {assertion}");
-        text += line.trim_end();
-        text += "\n";
+        let asserted = match check.assertion() {
+            none if none.is_empty() => none,
+            assertion => format!(" ({assertion})"),
+        };
+        text += &line(format!("{}: {}{asserted}", check.quantity, check.shown()), 9);
     }
     text
 }

@@ -7,6 +7,7 @@ use clap::builder::PossibleValuesParser;
 use super::files::Outputs;
 use super::{json_text, note, print};
 use crate::method::Failure;
+use crate::outcome::{WIDTH, folded};
 use crate::scene_file::{TEMPLATES, template};
 use harvester_scene::keys;
 
@@ -58,10 +59,26 @@ pub struct NewArguments {
     output: Option<PathBuf>,
 }
 
+/// A line of a template with its comment folded, below its value where that is long.
+fn narrow(line: &str) -> String {
+    let Some((value, comment)) = line.split_once("  # ").filter(|_| line.chars().count() > WIDTH) else {
+        return line.to_owned();
+    };
+    let value = value.trim_end();
+    let comment = folded(&format!("{:42}# {comment}", ""), 44);
+    let comment = comment.replace(&format!("\n{:44}", ""), &format!("\n{:42}# ", ""));
+    match value.chars().count() {
+        ..=40 => format!("{value:<42}{}", comment.trim_start()),
+        _ if value.contains(" = [") => folded(value, 4) + "\n" + &comment,
+        _ => format!("{value}\n{comment}"),
+    }
+}
+
 /// Writes or prints a template.
 pub(super) fn new(arguments: &NewArguments) -> Result<(), Failure> {
     let text = template(&arguments.scene)
         .ok_or_else(|| Failure::Input(format!("{}: has no template", arguments.scene)))?;
+    let text: String = text.lines().map(|line| narrow(line) + "\n").collect();
     let Some(file) = &arguments.output else { return print(&text) };
     if file.symlink_metadata().is_ok() {
         return Err(Failure::Input(format!("--output {}: exists, must be a new file", file.display())));

@@ -13,6 +13,7 @@ use crate::method::Failure;
 #[derive(Debug, clap::Parser)]
 #[command(
     version,
+    max_term_width = 100,
     after_help = "Examples:\n  \
     host-bench run scene.toml --set load.resistance_ohm=10M --set excitation.amplitude_m_per_s2=0.2g\n  \
     host-bench new contact-separation | host-bench run -\n\nA file is - for standard input or output. Values of --set \
@@ -141,8 +142,8 @@ const EXAMPLES: [&str; 26] = [
     "node-strategies",
     "node-years --years 1",
     "on-target --core m4f",
-    "optimise beam.toml --maximise mean_power_w --over load.resistance_ohm=1k:1M:log --over \
-     excitation.frequency_hz=45:60 --steady-state",
+    "optimise beam.toml --maximise mean_power_w --over load.resistance_ohm=1k:1M:log \\\n    \
+     --over excitation.frequency_hz=45:60 --steady-state",
     "plot scene.toml --compare load.resistance_ohm=1M,100M --output motion.html",
     "report scene.toml --vary parameters.mass_kg=±2% --output design.html",
     "resonance scene.toml --from 15 --to 25",
@@ -150,7 +151,7 @@ const EXAMPLES: [&str; 26] = [
     "stability --grid coarse",
     "stop beam.toml --over stop.gap_m=0.1m:0.5m:9",
     "sweep scene.toml --over load.resistance_ohm=100k:1G:41:log --output target/sweep",
-    "tolerance scene.toml --vary parameters.mass_kg=±2% --vary load.resistance_ohm=+-5%:normal --at-least 1e-5",
+    "tolerance scene.toml --vary parameters.mass_kg=±2% --vary load.resistance_ohm=+-5%:normal \\\n    --at-least 1e-5",
     "validation --picture validation.svg",
     "work-precision scene.toml --format csv",
 ];
@@ -240,6 +241,7 @@ mod tests {
         for name in names.iter().filter(|name| *name != "work-precision-row") {
             let example = EXAMPLES.iter().find(|example| example.split(' ').next() == Some(name));
             let words = example.unwrap_or_else(|| panic!("{name} has no example")).split_whitespace();
+            let words = words.filter(|word| *word != "\\");
             let parsed = command().try_get_matches_from(std::iter::once("host-bench").chain(words));
             assert!(parsed.is_ok(), "{name}: {:?}", parsed.err().map(|error| error.to_string()));
         }

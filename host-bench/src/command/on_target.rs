@@ -186,7 +186,9 @@ impl Output {
         if self.format == Format::Json {
             return;
         }
-        println!("{}{note}\n", outcome::table(presets::ASCII_MARKDOWN, header, rows, text));
+        let table = outcome::table(presets::ASCII_MARKDOWN, header, rows, text);
+        let paragraphs = note.split(".\n").map(|lines| outcome::folded(&lines.replace('\n', " "), 2));
+        println!("{table}{}\n", paragraphs.collect::<Vec<_>>().join(".\n"));
     }
 
     fn object(&mut self, object: Value) {

@@ -216,13 +216,13 @@ fn for_people(found: &Optimum, request: &Request<'_>) -> String {
         let place = Optimum::values(request, without);
         let place: Vec<String> =
             place.into_iter().map(|(key, value)| format!("{key} = {value:.4e}")).collect();
-        let _ = writeln!(
-            text,
+        let without = format!(
             "without constraints {:.6e} at {}: they cost {:.2} %",
             number("unconstrained_value"),
             place.join(", "),
             100.0 * number("constraint_cost_relative")
         );
+        text += &(folded(&without, 2) + "\n");
     }
     let stated = small(found.outcome.accuracy.total);
     let _ = writeln!(text, "accuracy of the mean power there: {stated}");

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::{Comparison, Omitted, Row};
 use crate::method::{Math, Method, Options, Precision};
-use crate::outcome::{Fields, csv_sections, fields, name, rows_csv, table};
+use crate::outcome::{Fields, csv_sections, fields, folded, name, rows_csv, table};
 use crate::rows::{Column, Digits, Rows, headings};
 
 const ERROR: Digits = Digits::Exponent(1);
@@ -97,7 +97,8 @@ impl Comparison {
     pub(crate) fn text(&self) -> String {
         let cells = self.rows.iter().map(|row| self.cells(row));
         let table = table(presets::ASCII_MARKDOWN, headings(self.kind.columns), cells, self.kind.words);
-        format!("{}\n\n{table}\n{}\n", self.title(), self.notes().join("\n"))
+        let notes: String = self.notes().iter().map(|note| folded(note, 2) + "\n").collect();
+        format!("{}\n\n{table}\n{notes}", folded(&self.title(), 2))
     }
 }
 

@@ -88,7 +88,7 @@ fn starts_that_have_not_settled_are_warned_of() {
 
 #[test]
 fn the_help_has_the_accuracy_of_the_runs_and_a_short_command_no_progress() {
-    let help = accepted(&["attractors", "--help"]);
+    let help = accepted(&["attractors", "--help"]).split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(help.contains("1e-4; a bump-stop") && !help.contains("[default: 1e-6; 1e-5 in f32"), "{help}");
     let told = host_bench(&[&["attractors", PASSIVE, "--starts", "9"], &BISTABLE[..]].concat()).stderr;
     assert!(!String::from_utf8_lossy(&told).contains("elapsed"));

@@ -19,8 +19,8 @@ fn options(help: &str) -> Vec<(String, String)> {
     let mut options: Vec<(String, String)> = Vec::new();
     for line in help.lines() {
         let trimmed = line.trim();
-        // Options are indented by two or six letters, with their texts behind or below.
-        let is_option = trimmed.starts_with('-') && !trimmed.starts_with("- ");
+        // Options are indented by two or six letters, their texts below by more.
+        let is_option = trimmed.starts_with('-') && line.find('-').is_some_and(|indent| indent <= 6);
         if is_option {
             options.push((trimmed.to_owned(), String::new()));
         } else if let Some((_, text)) = options.last_mut() {
@@ -78,7 +78,7 @@ fn slow_commands_state_how_long_they_take() {
 
 #[test]
 fn what_people_read_has_at_most_a_hundred_columns() {
-    let short = "run={duration_s=0.5,settle_s=0.25}";
+    let (commands, short) = (commands(), "run={duration_s=0.5,settle_s=0.25}");
     let over = ["--over", "load.resistance_ohm=1M:100M:2", "--over", "excitation.frequency_hz=20:21:2"];
     let sweep = ["sweep", PASSIVE, "--steady-state", "--no-accuracy", "--set", short];
     let few = ["--set", "run={duration_s=0.02,settle_s=0.01}", "--no-accuracy"];
@@ -92,7 +92,11 @@ fn what_people_read_has_at_most_a_hundred_columns() {
         vec!["fit", MEASURED],
         vec!["resonance", PASSIVE, "--from", "19", "--to", "22"],
         vec!["attractors", PASSIVE, "--starts", "4", "--set", short],
-    ] {
+        vec!["findings", "--only", "42", "--single-start"],
+    ]
+    .into_iter()
+    .chain(commands.iter().map(|command| vec![command.as_str(), "--help"]))
+    {
         let told = accepted(&arguments);
         let wide = told.lines().find(|line| line.chars().count() > 100);
         assert!(wide.is_none(), "{}: {wide:?}", arguments[0]);

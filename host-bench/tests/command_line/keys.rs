@@ -32,6 +32,8 @@ fn run_accepts_each_template() {
     for name in names {
         let file = &place(&folder, &format!("{name}.toml"));
         accepted(&["new", name, "--output", file]);
+        let text = std::fs::read_to_string(file).expect("the template");
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
         let outcome = json(&["run", file, "--no-accuracy", "--set", "run={settle_s=0,duration_s=0.2}"]);
         assert!(outcome["mean_power_w"].as_f64().is_some_and(|power| power >= 0.0), "{name}: {outcome}");
     }

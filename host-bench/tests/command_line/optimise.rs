@@ -126,7 +126,7 @@ fn three_and_four_keys_come_to_the_corner_of_the_closed_form() {
         assert_eq!(found["at_bound"]["parameters.damping_ratio"], true);
         // All runs are counted, those of the grid once, and the help has their largest number.
         let runs = number(&found["evaluations"]);
-        let help = accepted(&["optimise", "--help"]);
+        let help = accepted(&["optimise", "--help"]).replace('\n', " ");
         let most: Vec<f64> = help
             .rsplit("at most ")
             .next()

@@ -116,8 +116,8 @@ pub fn folded(text: &str, indent: usize) -> String {
 /// has a line of its own. Spaces at the end of a part may reach beyond.
 fn wrapped<'a>(parts: impl Iterator<Item = &'a str>, joint: &str, indent: usize, width: usize) -> String {
     let (mut all, mut column) = (String::new(), 0);
-    for part in parts {
-        let joint = if all.is_empty() { "" } else { joint };
+    for (index, part) in parts.enumerate() {
+        let joint = if index == 0 { "" } else { joint };
         if column > indent && column + joint.len() + part.trim_end().chars().count() > width {
             all += &format!("\n{:indent$}", "");
             column = indent;
@@ -143,11 +143,37 @@ fn widest(texts: impl Iterator<Item = String>, breaks: &[char]) -> usize {
 }
 
 /// A table for a terminal, line break included: the columns beyond the first `words` stand at the right. Where it would be wider
-/// than [`WIDTH`], headings and words take several lines, and numbers one.
+/// than [`WIDTH`], headings and words take several lines, and numbers one; columns that have no room follow below, behind the words.
 pub fn table<R: Into<Row>>(
     style: TableStyle,
     headings: impl Into<Row>,
     rows: impl IntoIterator<Item = R>,
+    words: usize,
+) -> String {
+    let cells = |row: Row| row.cell_iter().map(Cell::content).collect::<Vec<String>>();
+    let (headings, rows) = (cells(headings.into()), rows.into_iter().map(|row| cells(row.into())));
+    let rows: Vec<Vec<String>> = rows.collect();
+    let left = if words < headings.len() { words } else { 1 };
+    let of = |count: usize| {
+        let first = |row: &Vec<String>| row.iter().take(count).cloned().collect::<Vec<String>>();
+        let text = whole_table(style, first(&headings), rows.iter().map(first), words);
+        let is_wide = text.lines().any(|line| line.chars().count() > WIDTH);
+        (!is_wide || count <= left + 1).then_some((count, text))
+    };
+    let (count, text) = (0..=headings.len()).rev().find_map(of).unwrap_or_default();
+    if count == headings.len() {
+        return text;
+    }
+    let rest =
+        |row: &Vec<String>| row.iter().take(left).chain(row.iter().skip(count)).cloned().collect::<Vec<_>>();
+    text + "\n" + &table(style, rest(&headings), rows.iter().map(rest).collect::<Vec<_>>(), words)
+}
+
+/// A table with all columns beside each other.
+fn whole_table(
+    style: TableStyle,
+    headings: impl Into<Row>,
+    rows: impl Iterator<Item = Vec<String>>,
     words: usize,
 ) -> String {
     let mut table = Table::new();
@@ -301,5 +327,13 @@ mod tests {
             let broken: Vec<&String> = found.iter().filter(|word| !whole.contains(word)).collect();
             assert!(broken.is_empty(), "{broken:?} in\n{text}");
         }
+        // Columns that have no room follow below.
+        let many: Vec<String> = (10..40).map(|column| format!("column_{column}")).collect();
+        let text = table(presets::NOTHING, many.clone(), [many.clone()], 1);
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
+        assert!(
+            many.iter().all(|name| text.contains(name)) && text.matches("column_10").count() > 1,
+            "{text}"
+        );
     }
 }

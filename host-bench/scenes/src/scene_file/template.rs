@@ -26,8 +26,8 @@ pub fn template(name: &str) -> Option<String> {
     lines.0.extend(
         [
             "#:schema scene.schema.json",
-            "# Units are SI. Behind each value: unit, bounds, meaning. A line that begins with \"# \" and a key is optional.",
-            "# Editors complete the keys by the schema of the first line: host-bench keys --format schema > scene.schema.json",
+            "# Units are SI. Behind each value: unit, bounds, meaning. A line of \"# \" and a key is optional.",
+            "# Editors complete the keys by the schema: host-bench keys --format schema > scene.schema.json",
             "",
         ]
         .map(str::to_owned),
