@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::svg::{extremes, linear_ticks, logarithmic_label, logarithmic_ticks, range, shade, tick};
+use super::svg::{extremes, linear_ticks, logarithmic_ticks, range, shade, tick_label};
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Axis {
@@ -70,7 +70,8 @@ impl Axis {
             let rise = numbers.get(below + 1).map_or(0.0, |next| next - numbers[below]);
             return format!("{:.2}", numbers[below] + (at - below as f64) * rise);
         }
-        if self.is_logarithmic { logarithmic_label(place, all) } else { tick(place) }
+        let value = |place: f64| if self.is_logarithmic { 10f64.powf(place) } else { place };
+        tick_label(value(place), all.iter().map(|place| value(*place)), self.is_logarithmic)
     }
 
     /// Edges of the cells around these values, of which there are at least two.

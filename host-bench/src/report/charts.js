@@ -3,17 +3,24 @@
 const groups = {};
 let zooming = false;
 const digits = (value) => (value == null ? "–" : Number(value.toPrecision(6)).toString());
-// Numbers at the ticks: the library's own end at a thousandth.
-function numbers(_, values) {
+// A number as a power of ten, with a factor unless that is 1.
+function power(value) {
+  const [factor, exponent] = value.toExponential().split("e");
+  const digits = [...String(Number(exponent))].map((digit) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(digit)]);
+  return `${factor}·10${digits.join("")}`.replace(/^(-?)1·/, "$1");
+}
+// Numbers at the ticks in one notation, as an SVG has them: the library's own end at a thousandth.
+const numbers = (isLogarithmic) => (_, values) => {
   const present = values.filter((value) => value != null);
   const closest = Math.min(...present.slice(1).map((value, index) => Math.abs(value - present[index])));
   const largest = Math.max(...values.map((value) => Math.abs(value ?? 0)));
-  const isPlain = largest >= 0.01 && largest < 1e6;
+  const hasPowers = isLogarithmic && present.every((value) => value.toExponential().startsWith("1e"));
+  const isPlain = !hasPowers && largest >= 0.01 && largest < 1e5;
   // As many digits as tell the closest two ticks apart.
   const places = Math.min(15, Math.max(6, Math.ceil(Math.log10(largest / closest)) + 1) || 6);
-  const text = (value) => (isPlain ? value.toString() : value.toExponential().replace("e+", "e"));
+  const text = (value) => (isPlain ? value.toString() : power(value));
   return values.map((value) => (value == null ? "" : value === 0 ? "0" : text(Number(value.toPrecision(places)))));
-}
+};
 // The ticks of a logarithmic axis: decades, with 2 and 5 where there are few, and even distances where there are fewer.
 function decades(_, axis, min, max) {
   const [low, high] = [Math.floor(Math.log10(min)), Math.ceil(Math.log10(max))];
@@ -30,7 +37,7 @@ function decades(_, axis, min, max) {
   return even;
 }
 const scaled = (isLogarithmic) => ({
-  values: numbers,
+  values: numbers(isLogarithmic),
   ...(isLogarithmic ? { splits: decades, filter: (_, ticks) => ticks } : {}),
 });
 // "gap [mm]" and a value: "gap: 1.5 mm".

@@ -48,11 +48,37 @@ pub(crate) fn hex(RGBColor(red, green, blue): RGBColor) -> String {
 /// A number with three digits, without trailing zeros.
 pub(crate) fn tick(value: f64) -> String {
     let plain = value == 0.0 || (1e-2..1e4).contains(&value.abs());
-    let rounded = |text: String| text.parse().unwrap_or(value);
-    if plain {
-        rounded(format!("{value:.3}")).to_string()
+    if plain { decimal(value, 3) } else { power(&format!("{value:.2e}")) }
+}
+
+/// So many digits behind the point at most.
+fn decimal(value: f64, digits: usize) -> String {
+    format!("{value:.digits$}").parse().unwrap_or(value).to_string()
+}
+
+/// A number with an exponent as a power of ten, with a factor unless that is 1.
+fn power(text: &str) -> String {
+    let (factor, exponent) = text.split_once('e').unwrap_or((text, "0"));
+    let power = power_of_ten(exponent.parse().unwrap_or(0.0));
+    let factor: f64 = factor.parse().unwrap_or(1.0);
+    let sign = if factor < 0.0 { "-" } else { "" };
+    match factor.abs() {
+        0.0 => "0".to_owned(),
+        1.0 => format!("{sign}{power}"),
+        size => format!("{sign}{size}·{power}"),
+    }
+}
+
+/// A number at a tick among all of its axis, which are in one notation: powers of ten where all are, or the largest is below a
+/// hundredth or has six digits.
+pub(crate) fn tick_label(value: f64, all: impl Iterator<Item = f64> + Clone, is_logarithmic: bool) -> String {
+    let largest = all.clone().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let is_power = |value: f64| (value.log10() - value.log10().round()).abs() < 1e-9;
+    let has_powers = is_logarithmic && all.into_iter().all(is_power);
+    if has_powers || largest > 0.0 && !(1e-2..1e5).contains(&largest) {
+        power(&format!("{value:.6e}"))
     } else {
-        format!("{:e}", rounded(format!("{value:.2e}")))
+        decimal(value, 6)
     }
 }
 
@@ -91,12 +117,6 @@ pub(crate) fn logarithmic_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     }
     let ticks = linear_ticks(10f64.powf(low), 10f64.powf(high), count);
     ticks.into_iter().filter(|value| *value > 0.0).map(f64::log10).collect()
-}
-
-/// The numbers at the ticks of a logarithmic axis, whose exponents are given.
-pub(crate) fn logarithmic_label(exponent: f64, all: &[f64]) -> String {
-    let whole = all.iter().all(|exponent| (exponent - exponent.round()).abs() < 1e-9);
-    if whole { power_of_ten(exponent) } else { tick(10f64.powf(exponent)) }
 }
 
 /// An axis with ticks of one's own, as the drawing library wants it.
@@ -192,11 +212,17 @@ mod tests {
         assert_eq!(linear_ticks(1.0, 1.0, 5), [1.0]);
         assert_eq!(logarithmic_ticks(5.0, 10.0, 8), [5.0, 6.0, 7.0, 8.0, 9.0, 10.0]);
         // Half decades are 3162.278 and the like: not a tick.
-        let labels = |low: f64, high: f64| -> Vec<String> {
-            let ticks = logarithmic_ticks(low.log10(), high.log10(), 8);
-            ticks.iter().map(|exponent| logarithmic_label(*exponent, &ticks)).collect()
+        let shown = |ticks: Vec<f64>, is_logarithmic| -> Vec<String> {
+            ticks.iter().map(|tick| tick_label(*tick, ticks.iter().copied(), is_logarithmic)).collect()
         };
-        assert_eq!(labels(1e3, 1e4), ["1000", "2000", "5000", "1e4"]);
+        let labels = |low: f64, high: f64| {
+            let ticks = logarithmic_ticks(low.log10(), high.log10(), 8);
+            shown(ticks.iter().map(|exponent| 10f64.powf(*exponent)).collect(), true)
+        };
+        assert_eq!(labels(1e3, 1e4), ["1000", "2000", "5000", "10000"]);
+        assert_eq!(labels(2e5, 4e6), ["2·10⁵", "5·10⁵", "10⁶", "2·10⁶"]);
+        assert_eq!(shown(vec![-1e-3, 0.0, 2e-3], false), ["-10⁻³", "0", "2·10⁻³"]);
+        assert_eq!(shown(linear_ticks(0.0, 0.02, 4), false), ["0", "0.005", "0.01", "0.015", "0.02"]);
         assert_eq!(labels(2.5, 4.6), ["2.5", "3", "3.5", "4", "4.5"]);
         assert_eq!(labels(1e6, 1e9), ["10⁶", "10⁷", "10⁸", "10⁹"]);
     }

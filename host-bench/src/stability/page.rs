@@ -255,7 +255,7 @@ mod tests {
             "<td>left the overlap of the patches</td>",
             "sliding: load resistance [Ω] against charge density [C/m²]",
             "load resistance [Ω] 10⁶, charge density [C/m²] 0: 1 right",
-            "load resistance [Ω] ∞, charge density [C/m²] 2e-5: 1 wrong",
+            "load resistance [Ω] ∞, charge density [C/m²] 2·10⁻⁵: 1 wrong",
             "model's domain at 1 s: &lt;x&gt;<br><code>run host-bench/scenes/sliding.toml --precision f64",
         ] {
             assert!(page.contains(part), "{part}: {page}");
