@@ -219,23 +219,25 @@ impl<'a> Found<'a> {
         let largest = sorted.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         let (title, factor) = scaled(&words, unit, largest);
         let share = |value: f64| sorted.partition_point(|one| *one <= value) as f64 / sorted.len() as f64;
-        let mark = |name: &str, colour, value: f64, share: f64| {
-            let name = format!("{}: {}", name.replace('_', " "), tick(factor * value));
-            Curve::new(name, colour, Mark::Dots(9.0), [(factor * value, share)])
+        let named = |name: &str, value: f64| format!("{}: {}", name.replace('_', " "), tick(factor * value));
+        let upright = |name: &str, colour, mark, value: f64| {
+            let ends = [0.0, 1.0].map(|share| (factor * value, share));
+            Curve::new(named(name, value), colour, mark, ends)
         };
         let line = sorted.iter().map(|value| (factor * value, share(*value)));
         let mut curves = vec![Curve::new("", BLUE, Mark::Line(1.8), line)];
         curves.extend(
             PERCENTILES
                 .iter()
-                .zip([GREEN, BLACK, GREEN])
-                .map(|((name, part), colour)| mark(name, colour, percentile(sorted, *part), *part)),
+                .zip([(GREEN, Mark::Rings(9.0)), (BLACK, Mark::Dots(9.0)), (GREEN, Mark::Rings(9.0))])
+                .map(|((name, part), (colour, mark))| {
+                    let value = percentile(sorted, *part);
+                    Curve::new(named(name, value), colour, mark, [(factor * value, *part)])
+                }),
         );
-        curves.extend(nominal.map(|value| mark("nominal", VERMILION, value, share(value))));
-        curves.extend(self.arguments.at_least.map(|value| {
-            let ends = [0.0, 1.0].map(|share| (factor * value, share));
-            Curve::new(format!("wished: {}", tick(factor * value)), BLACK, Mark::Dashes(1.2), ends)
-        }));
+        curves.extend(nominal.map(|value| upright("nominal", VERMILION, Mark::Line(1.2), value)));
+        let wished = self.arguments.at_least;
+        curves.extend(wished.map(|value| upright("wished", BLACK, Mark::Dashes(1.2), value)));
         let across = |title: &str, curves: &[Curve]| {
             let all = curves.iter().flat_map(|curve| &curve.points).map(|point| point.0);
             Axis::linear(title, range(all).into(), 6)
@@ -255,7 +257,7 @@ impl<'a> Found<'a> {
             let nominal = nominal.map(|value| place((key.nominal, value)));
             let curves = vec![
                 Curve::new("samples", BLUE, Mark::Dots(4.0), samples),
-                Curve::new("nominal", VERMILION, Mark::Dots(9.0), nominal),
+                Curve::new("nominal", VERMILION, Mark::Rings(11.0), nominal),
             ];
             let across = across(&key_title, &curves);
             Chart {

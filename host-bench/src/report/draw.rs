@@ -62,8 +62,12 @@ pub(crate) fn draw(
     let head = HEAD * lines.len() as u32;
     let (mut left, mut top, mut bottom) = (0, head, head);
     let mut places = Vec::new();
-    for chart in charts.iter().filter(|chart| !chart.is_of_page) {
-        let wide = if chart.is_half && width >= LEAST_OF_HALVES { width / 2 } else { width };
+    let mut shown = charts.iter().filter(|chart| !chart.is_of_page).peekable();
+    while let Some(chart) = shown.next() {
+        // A half alone would leave the other one empty.
+        let is_one_of_two =
+            chart.is_half && (left == width / 2 || shown.peek().is_some_and(|next| next.is_half));
+        let wide = if is_one_of_two && width >= LEAST_OF_HALVES { width / 2 } else { width };
         if left + wide > width {
             (left, top) = (0, bottom);
         }
