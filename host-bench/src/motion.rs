@@ -58,6 +58,8 @@ pub(crate) struct Wanted<'a> {
     pub(crate) coarse: Option<&'a Series>,
     /// Largest frequency in Hz of the spectrum.
     pub(crate) highest_hz: f64,
+    /// Whether it goes up to there where nothing stands out.
+    pub(crate) is_up_to_highest: bool,
     pub(crate) logarithmic: &'a [LogAxis],
 }
 
@@ -154,6 +156,7 @@ pub(crate) fn usual<'a>(scene: &Scene, title: &'a str, series: &Series, every_s:
         span_s: span_s(scene),
         window_s: [scene.run.settle_s, scene.run.duration_s],
         highest_hz: highest_hz(scene, every_s),
+        is_up_to_highest: false,
         period_s: scene.excitation.single_frequency().map(f64::recip),
         coarse: None,
         logarithmic: &[LogAxis::Y],
@@ -188,7 +191,11 @@ pub(crate) fn picture(wanted: &Wanted<'_>, series: &[Series]) -> Result<Picture,
         let quantities = wanted.quantities.iter().enumerate();
         charts.extend(quantities.map(|(index, name)| history(wanted, series, name, index == 0)));
     }
-    charts.extend(has(View::Spectrum).then(|| lines(wanted, series)).flatten());
+    match (has(View::Spectrum).then(|| lines(wanted, series)).flatten(), charts.last_mut()) {
+        // A spectrum of one line would be an empty panel.
+        (Some(spectrum), Some(last)) if !spectrum.note.is_empty() => last.note = spectrum.note,
+        (spectrum, _) => charts.extend(spectrum),
+    }
     charts.extend(has(View::Phase).then(|| phase(wanted, series)).flatten());
     let figure = has(View::Energy).then(|| energy::flow(columns(WIDTH), series, COLOURS)).flatten();
     if charts.is_empty() && figure.is_none() {
@@ -263,18 +270,16 @@ fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     Some(Chart { is_orbit: true, is_half: true, height: PANEL, ..chart })
 }
 
-/// Amplitudes over frequency of the last quantity; `None` without rows in the window.
+/// Amplitudes over frequency of the last quantity, with a note where there is one line alone; `None` without rows in the window.
 fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let column = wanted.quantities.last()?;
     let has = |axis: LogAxis| wanted.logarithmic.contains(&axis);
     let of = |one: &Series| {
         series::amplitudes(&one.over_time(column), wanted.window_s, wanted.highest_hz, wanted.period_s)
     };
-    let all: Vec<Vec<(f64, f64)>> = series.iter().map(of).collect();
-    let largest = all.iter().flatten().fold(0.0_f64, |largest, point| largest.max(point.1));
-    if !(largest > 0.0) {
-        return None;
-    }
+    let mut all: Vec<Vec<(f64, f64)>> = series.iter().map(of).collect();
+    let most = all.iter().flatten().max_by(|one, other| one.1.total_cmp(&other.1));
+    let (strongest, largest) = most.copied().filter(|(_, largest)| *largest > 0.0)?;
     let (word, unit) = number_and_unit(column);
     let (name, factor) = scaled(&word, unit, largest);
     // Below a millionth of the largest line there is rounding.
@@ -291,6 +296,16 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     // Within a few periods every line is beside a harmonic.
     let coarse = wanted.coarse.filter(|_| all[0].iter().any(|line| is_noise(line.0)));
     let noise = coarse.map(|coarse| all[0].iter().zip(&of(coarse)).map(off).fold(0.0, f64::max));
+    let is_seen = |line: &(f64, f64)| factor * line.1 > floor;
+    let is_peak = |near: &&[(f64, f64)]| is_seen(&near[1]) && near[1].1 > near[0].1 && near[1].1 >= near[2].1;
+    let is_one = series.len() == 1 && all[0].windows(3).filter(is_peak).count() == 1;
+    // Under a sine the line is a harmonic, beside which its place is off by the distance of the times.
+    let at = wanted.period_s.map_or(strongest, |period| (strongest * period).round() / period);
+    let words = || format!("{word} spectrum: {} at {} alone", with_unit(largest, unit), with_unit(at, "Hz"));
+    let note = if is_one { words() } else { String::new() };
+    let last = all.iter().flatten().filter(|line| is_seen(line)).map(|line| line.0).fold(0.0, f64::max);
+    let end = if wanted.is_up_to_highest { f64::INFINITY } else { 1.2 * last };
+    all.iter_mut().for_each(|points| points.retain(|line| line.0 <= end));
     let mut curves: Vec<Curve> = coloured(series)
         .zip(all)
         .map(|((one, colour), points)| {
@@ -302,26 +317,19 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
         })
         .collect();
     let frequencies = || curves.iter().flat_map(|curve| &curve.points).map(|point| point.0);
-    let ends = [frequencies().fold(f64::INFINITY, f64::min), frequencies().fold(0.0, f64::max)];
-    let across = if has(LogAxis::X) {
-        Axis::logarithmic("frequency [Hz]", ends)
-    } else {
-        Axis::linear("frequency [Hz]", ends, 6)
-    };
+    // The last line is whole.
+    let ends = [frequencies().fold(f64::INFINITY, f64::min), 1.02 * frequencies().fold(0.0, f64::max)];
+    let across = Axis::scaled(has(LogAxis::X), "frequency [Hz]", ends);
     if let Some(noise) = noise {
         let level = (factor * noise).max(floor);
         let below = if noise < 1e-6 * largest { "below " } else { "" };
         let name = format!("noise floor of a line: {below}{}", with_unit(noise.max(1e-6 * largest), unit));
         curves.push(Curve::new(name, BLACK, Mark::Dashes(1.2), ends.map(|frequency| (frequency, level))));
     }
-    let top = 1.3 * factor * largest;
-    let up = if has(LogAxis::Y) {
-        Axis::logarithmic(name, [floor, top])
-    } else {
-        Axis::linear(name, [0.0, top], 7)
-    };
+    let bottom = if has(LogAxis::Y) { floor } else { 0.0 };
+    let up = Axis::scaled(has(LogAxis::Y), name, [bottom, 1.3 * factor * largest]);
     let chart = Chart::new("spectrum: amplitude of each line", across, up, curves);
-    Some(Chart { is_half: true, height: PANEL, ..chart })
+    Some(Chart { note, is_half: true, height: PANEL, ..chart })
 }
 
 #[cfg(test)]

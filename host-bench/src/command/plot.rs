@@ -63,7 +63,7 @@ pub struct PlotArguments {
     /// Their last instant in s [default: the end of the run]
     #[arg(long, value_name = "S")]
     to: Option<f64>,
-    /// Highest frequency in Hz of the spectrum [default: 20 times that of the excitation]
+    /// Highest frequency in Hz of the spectrum [default: where nothing follows, at most 20 times that of the excitation]
     #[arg(long, value_name = "HZ")]
     highest: Option<f64>,
     /// Logarithmic axes of the spectrum, separated by commas
@@ -149,6 +149,7 @@ fn drawn(
         quantities: quantities(arguments, &series, &usual)?,
         span_s,
         highest_hz: arguments.highest.unwrap_or(usual.highest_hz),
+        is_up_to_highest: arguments.highest.is_some(),
         logarithmic: &arguments.log,
         coarse: coarse.as_ref(),
         ..usual
