@@ -301,7 +301,9 @@ impl Point {
     }
 
     pub(super) fn place(&self) -> String {
-        self.values.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ")
+        let short = |value: f64| format!("{value:.6e}").parse().unwrap_or(value);
+        let place = |(key, value): &(String, f64)| format!("{key} = {}", short(*value));
+        self.values.iter().map(place).collect::<Vec<_>>().join(", ")
     }
 
     /// Its names and values: those of its outcome, or its error.
