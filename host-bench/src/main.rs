@@ -1,5 +1,6 @@
 //! The command line of the harvester models.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::FromArgMatches;
@@ -19,22 +20,28 @@ fn main() -> ExitCode {
     }
 }
 
-/// Refuses the width of a picture where no file of a picture is written.
+/// Refuses the width of a picture where no file of a picture is written, and of pages, which have none.
 fn check_width(matches: &clap::ArgMatches) -> Result<(), clap::Error> {
     let Some(width) = matches.get_one::<f64>("width") else { return Ok(()) };
     let (name, of_command) = matches.subcommand().unwrap_or(("the command without a name", matches));
     let files: &[&str] = match name {
-        "budget" | "figures" | "plot" => return Ok(()),
-        "sweep" | "tolerance" => &["output"],
+        "budget" | "figures" => return Ok(()),
+        "plot" | "sweep" | "tolerance" => &["output"],
         "fit" | "map" | "optimise" => &["output", "picture"],
         "node-strategies" | "node-years" => &["page"],
         _ => &["picture"],
     };
-    if files.iter().any(|file| matches!(of_command.try_contains_id(file), Ok(true))) {
-        return Ok(());
-    }
-    let text = format!("--width {width}mm: {name} writes no file of a picture here, whose width this is");
-    Err(clap::Error::raw(ErrorKind::ArgumentConflict, text))
+    let file = |option: &&str| of_command.try_get_one::<PathBuf>(option).ok().flatten();
+    let (pages, pictures): (Vec<&PathBuf>, Vec<&PathBuf>) = files
+        .iter()
+        .filter_map(file)
+        .partition(|file| file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html")));
+    let reason = match pages.first() {
+        _ if !pictures.is_empty() || name == "plot" && pages.is_empty() => return Ok(()),
+        Some(page) => format!("{} is a page, which has the width of its window", page.display()),
+        None => format!("{name} writes no file of a picture here, whose width this is"),
+    };
+    Err(clap::Error::raw(ErrorKind::ArgumentConflict, format!("--width {width}mm: {reason}")))
 }
 
 /// Prints help as clap does, and an error as one line.

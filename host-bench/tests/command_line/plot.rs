@@ -65,6 +65,9 @@ fn a_run_has_its_picture_in_a_printed_width() {
     {
         refused(&[arguments, &["--width", "85mm"]].concat(), &["--width 85mm", "no file of a picture"]);
     }
+    for page in [["plot", PASSIVE, "--output", "page.html"], ["run", PASSIVE, "--picture", "page.html"]] {
+        refused(&[&page[..], &["--width", "85mm"]].concat(), &["--width 85mm", "page.html is a page"]);
+    }
 }
 
 #[test]
