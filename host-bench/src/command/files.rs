@@ -21,7 +21,7 @@ pub(crate) fn report_folder() -> PathBuf {
 /// Makes a folder and those above it, where they do not exist.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
     if folder == Path::new(STANDARD) {
-        return Err(Failure::Input("-: must be a folder, which standard output is not".to_owned()));
+        return Err(Failure::Input("--output -: must be a folder, which standard output is not".to_owned()));
     }
     fs::create_dir_all(folder)
         .map_err(|error| Failure::Input(format!("{}: cannot be made: {error}", folder.display())))

@@ -191,6 +191,7 @@ pub(super) fn run_figures(arguments: &FiguresArguments) -> Result<(), Failure> {
     let subjects: Vec<Subject> = Subject::value_variants().iter().copied().filter(wanted).collect();
     let outputs = Outputs::of_shipped(subjects.iter().flat_map(|subject| subject.scenes()));
     // Made before the runs, so that a bad path is refused at once.
+    make_folder(&root)?;
     for subject in &subjects {
         let folder = root.join(subject.name());
         make_folder(&folder)?;
