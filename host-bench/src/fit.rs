@@ -48,6 +48,8 @@ pub(crate) struct Request<'a> {
     pub(crate) overrides: &'a [Override],
     pub(crate) options: Options,
     pub(crate) data: Vec<PathBuf>,
+    /// The rate in Hz of the even times at which traces are taken; `None` of traces with even ones.
+    pub(crate) resample_hz: Option<f64>,
     pub(crate) free: Vec<Asked>,
     /// Whether large residuals count linearly.
     pub(crate) huber: bool,
@@ -69,8 +71,11 @@ pub(crate) fn fit(
     done: &(dyn Fn() + Sync),
 ) -> Result<FitResult, Failure> {
     check(request, scene)?;
-    let data: Vec<Data> =
-        request.data.iter().map(|file| data::read(file, scene)).collect::<Result<_, _>>()?;
+    let data: Vec<Data> = request
+        .data
+        .iter()
+        .map(|file| data::read(file, scene, request.resample_hz))
+        .collect::<Result<_, _>>()?;
     let mut free = Vec::new();
     for asked in &request.free {
         free.push(free::of_key(request.file, request.overrides, asked)?);

@@ -36,6 +36,7 @@ pub use self::scene::*;
 use self::section::{Reader, Section};
 pub use self::template::{TEMPLATES, template};
 pub use self::trace::number::{Delimiter, Numbers};
+pub use self::trace::resampled;
 /// Acceleration of gravity in m/s²: the factor of `amplitude_g`.
 pub use model_core::part::GRAVITY;
 

@@ -31,6 +31,9 @@ pub struct FitArguments {
     /// Measurements: a sweep (column frequency_hz) or a trace (column time_s); may be repeated
     #[arg(long = "data", value_name = "FILE.csv")]
     data: Vec<PathBuf>,
+    /// Rate in Hz of even times to which the traces of --data are resampled, as by excitation.resample_hz
+    #[arg(long = "resample", value_name = "HZ")]
+    resample_hz: Option<f64>,
     /// A key of the scene to fit, with the bounds of its value; may be repeated
     #[arg(long = "free", value_name = "KEY[=LOW:HIGH]", allow_hyphen_values = true)]
     free: Vec<Asked>,
@@ -72,8 +75,12 @@ pub(super) fn run(arguments: &FitArguments) -> Result<(), Failure> {
     let outputs = Outputs::of(file, overrides)?.and(&data);
     arguments.check_outputs(&outputs)?;
     let is_drawn = arguments.output.is_some() || arguments.picture.is_some();
-    let options = *options;
-    let request = Request { file, overrides, options, data, free, huber, starts, iterations, is_drawn };
+    let (options, resample_hz) = (*options, arguments.resample_hz);
+    if let Some(rate) = resample_hz.filter(|rate| !(1e-3..=1e6).contains(rate)) {
+        return Err(Failure::Input(format!("--resample {rate}: must be from 1e-3 to 1e6 Hz")));
+    }
+    let request =
+        Request { file, overrides, options, data, resample_hz, free, huber, starts, iterations, is_drawn };
     let found = with_progress(0, |bar| {
         fit::fit(&request, &scene, &|| {
             bar.inc_length(1);

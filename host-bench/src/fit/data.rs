@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::input::{self, MOST_OF_DATA, repeated};
 use crate::method::Failure;
-use crate::scene_file::{Delimiter, GRAVITY, Model, Numbers, Scene};
+use crate::scene_file::{Delimiter, GRAVITY, Model, Numbers, Scene, resampled};
 
 /// Columns that a sweep may measure, and the kind of scene that has them.
 const SWEEP: [(&str, Option<&str>); 6] = [
@@ -224,12 +224,12 @@ pub(crate) fn columns(file: &Path) -> Result<Vec<(String, Vec<f64>)>, Failure> {
     table.heading.iter().map(column).collect()
 }
 
-/// Reads a file of measurements of a scene.
-pub(crate) fn read(file: &Path, scene: &Scene) -> Result<Data, Failure> {
+/// Reads a file of measurements of a scene; a trace at even times of a rate in Hz where one is given.
+pub(crate) fn read(file: &Path, scene: &Scene, resample_hz: Option<f64>) -> Result<Data, Failure> {
     let table = Table::read(file)?;
     let data = match (table.index("frequency_hz"), table.index("time_s")) {
         (Some(_), None) => sweep(&table, scene)?,
-        (None, Some(_)) => trace(&table, scene)?,
+        (None, Some(_)) => trace(&table, scene, resample_hz)?,
         (Some(_), Some(_)) => {
             return table.refuse("must have the column frequency_hz (a sweep) or time_s (a trace), has both");
         }
@@ -285,7 +285,7 @@ fn directions(table: &Table<'_>) -> Result<Option<Vec<Direction>>, Failure> {
     Ok(Some(all))
 }
 
-fn trace(table: &Table<'_>, scene: &Scene) -> Result<Data, Failure> {
+fn trace(table: &Table<'_>, scene: &Scene, resample_hz: Option<f64>) -> Result<Data, Failure> {
     table.check_names("trace", &TIMES, &TRACE)?;
     if table.index("gap_m").is_some() {
         if !matches!(scene.model, Model::ContactSeparation(_)) {
@@ -298,12 +298,35 @@ fn trace(table: &Table<'_>, scene: &Scene) -> Result<Data, Failure> {
             return table.refuse("must have one of the columns gap_m and displacement_m, has both");
         }
     }
-    let columns = table.measured(&TRACE)?;
+    let (mut columns, mut lines) = (table.measured(&TRACE)?, table.lines());
     let times = table.numbers("time_s", -1e9, 1e9)?.unwrap_or_default();
-    let ([first, .., last], count) = (&times[..], times.len()) else {
+    if times.len() < 2 {
         return table.refuse("must have at least two rows");
-    };
-    let spacing_s = (last - first) / (count - 1) as f64;
+    }
+    let acceleration = table.numbers("acceleration_m_per_s2", -1e5, 1e5)?;
+    let mut acceleration = acceleration.filter(|values| values.iter().any(|value| *value != 0.0));
+    let spacing_s = resample_hz.map_or_else(|| spacing(table, &times), |rate_hz| Ok(1.0 / rate_hz))?;
+    if let Some(rate_hz) = resample_hz {
+        if let Some(column) = columns.iter().find(|column| column.std.is_some()) {
+            return table.refuse(&format!("column {}{STD}: must not be with --resample", column.name));
+        }
+        for values in columns.iter_mut().map(|column| &mut column.values).chain(&mut acceleration) {
+            *values = resampled((&times, &lines), values, rate_hz)
+                .or_else(|reason| table.refuse(&format!("--resample {rate_hz}: {reason}")))?;
+        }
+        // The last row before each time.
+        let row = |index: usize| {
+            times.partition_point(|time| *time <= times[0] + (index as f64 + 0.01) / rate_hz) - 1
+        };
+        lines = (0..columns[0].values.len()).map(|index| lines[row(index)]).collect();
+    }
+    Ok(Data { file: table.file.to_owned(), rows: Rows::Trace { spacing_s, acceleration }, columns, lines })
+}
+
+/// The distance of even times in s; refuses others.
+fn spacing(table: &Table<'_>, times: &[f64]) -> Result<f64, Failure> {
+    let (first, last) = (times[0], times[times.len() - 1]);
+    let spacing_s = (last - first) / (times.len() - 1) as f64;
     if !(spacing_s > 0.0) {
         return table.refuse("time_s: must rise");
     }
@@ -315,7 +338,7 @@ fn trace(table: &Table<'_>, scene: &Scene) -> Result<Data, Failure> {
     let usual = sorted[sorted.len() / 2];
     if let Some(step) = uneven(usual) {
         let text = format!(
-            "time_s = {}: is {:e} s after the row before: must be uniform, with steps of {usual:e} s",
+            "time_s = {}: is {:e} s after the row before: must be uniform, with steps of {usual:e} s, or with --resample HZ",
             times[step + 1],
             steps[step]
         );
@@ -329,12 +352,5 @@ fn trace(table: &Table<'_>, scene: &Scene) -> Result<Data, Failure> {
         let text = format!("time_s = {}: must be uniform, with steps of {spacing_s:e} s", times[row]);
         return table.refuse_at(row, &text);
     }
-    let acceleration = table.numbers("acceleration_m_per_s2", -1e5, 1e5)?;
-    let acceleration = acceleration.filter(|values| values.iter().any(|value| *value != 0.0));
-    Ok(Data {
-        file: table.file.to_owned(),
-        rows: Rows::Trace { spacing_s, acceleration },
-        columns,
-        lines: table.lines(),
-    })
+    Ok(spacing_s)
 }
