@@ -207,9 +207,11 @@ pub(crate) fn add_branches(scene: &Scene, asked: &Options, outcome: &mut Outcome
     }
     if let Some(branches) = &outcome.branches {
         let motion = |branch: &Branch| {
-            let Branch { mean_power_w, displacement_m, velocity_m_per_s, .. } = branch;
-            let power_w = mean_power_w.unwrap_or(f64::NAN);
-            format!("{power_w:.3e} W from {displacement_m:.3e} m and {velocity_m_per_s:.3e} m/s")
+            let Branch { mean_power_w, share, displacement_m, velocity_m_per_s, .. } = branch;
+            let (power_w, starts) = (mean_power_w.unwrap_or(f64::NAN), 1 + FEW.len());
+            let count = share * starts as f64;
+            let place = format!("from {displacement_m:.3e} m and {velocity_m_per_s:.3e} m/s");
+            format!("{power_w:.3e} W {place} ({count:.0} of {starts} starts)")
         };
         let motions: Vec<String> = branches.iter().map(motion).collect();
         outcome.warnings.push(format!(

@@ -28,7 +28,7 @@ fn a_run_states_the_motion_to_which_another_start_leads() {
             "{branches:?}"
         );
         let warning = found["warnings"].to_string();
-        assert!(warning.contains("attractors: the start decides"), "{warning}");
+        assert!(warning.contains("the start decides") && warning.contains(" of 3 starts)"), "{warning}");
         // From where the other motion is reached, the first one is the other.
         let start = format!("initial.velocity_m_per_s={}", branches[1]["velocity_m_per_s"]);
         let gap = format!("initial.gap_m={}", branches[1]["displacement_m"]);
