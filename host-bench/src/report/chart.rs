@@ -305,6 +305,14 @@ impl Chart {
         Self { field, height: 560, ..Self::new("", across, up, Vec::new()) }
     }
 
+    /// What it shows, for those who do not see it.
+    pub(super) fn words(&self) -> String {
+        let colours =
+            self.field.as_ref().map_or_else(String::new, |field| format!("{} over ", field.scale.title));
+        let axes = format!("{colours}{} over {}", self.up.title, self.across.title);
+        if self.title.is_empty() { axes } else { format!("{}: {axes}", self.title) }
+    }
+
     /// Whether it has a cell without a value.
     pub(crate) fn has_white(&self) -> bool {
         self.field.as_ref().is_some_and(|field| field.values.iter().any(Option::is_none))

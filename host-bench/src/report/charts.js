@@ -192,7 +192,7 @@ for (const [index, one] of charts.entries()) {
   const chart = new uPlot(options, uPlot.join(span ? [span, ...tables] : tables), place);
   peers.push(chart);
   window.addEventListener("resize", () => chart.setSize({ width: width(), height: one.height }));
-  place.setAttribute("aria-label", [one.title, `${one.up} over ${one.across}`].filter(Boolean).join(": "));
+  place.setAttribute("aria-label", one.words);
   place.setAttribute("role", "group");
   // By the keyboard: arrows move along the abscissa, + and - zoom, Escape shows all, Enter on a name hides its curve.
   const moves = { ArrowLeft: [-0.25, 0.75], ArrowRight: [0.25, 1.25], "+": [0.25, 0.75], "-": [-0.5, 1.5] };
@@ -205,6 +205,13 @@ for (const [index, one] of charts.entries()) {
     event.preventDefault();
     const [min, max] = moves[key].map((part) => chart.posToVal(part * chart.over.clientWidth, "x"));
     chart.setScale("x", { min, max });
+  });
+  // The mark before a name is that of its curve: a line, dashes, a dot or a ring.
+  const rows = [...place.querySelectorAll(".u-series")].slice(-one.curves.length);
+  one.curves.forEach(({ dot, ring, dashed, colour }, at) => {
+    const { style } = rows[at].querySelector(".u-marker");
+    if (dot > 0) Object.assign(style, { borderRadius: "50%", background: ring ? "" : colour });
+    else Object.assign(style, { height: 0, borderStyle: `${dashed ? "dashed" : "solid"} none none` });
   });
   // A live legend has a row for the abscissa, which hides nothing.
   for (const name of [...place.querySelectorAll(".u-series th")].slice(sameX ? 1 : 0)) {

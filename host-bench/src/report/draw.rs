@@ -9,6 +9,7 @@ use std::ops::Range;
 use plotters::prelude::*;
 
 use super::chart::{Chart, Curve, Field, Mark, SHADES, colour};
+use super::page::escaped;
 use super::svg::{Area, Drawn, FONT, GRID, Ticked, hex, svg, width_of};
 
 /// Height of the row above a chart that names its curves.
@@ -90,7 +91,13 @@ pub(crate) fn draw(
     }
     let end = frame.rfind("</svg>").ok_or("an SVG without an end")?;
     let (frame, end) = frame.split_at(end);
-    Ok(format!("{frame}{paths}{end}"))
+    // Who does not see the picture has what it shows.
+    let words = places.iter().map(|(chart, ..)| chart.words()).collect::<Vec<_>>().join("; ");
+    let named = format!(
+        " role=\"img\" aria-label=\"{}\" viewBox=",
+        escaped(if words.is_empty() { title } else { &words })
+    );
+    Ok(format!("{}{paths}{end}", frame.replacen(" viewBox=", &named, 1)))
 }
 
 /// Draws the axes, and appends the paths of cells and curves to `paths`.
@@ -312,12 +319,14 @@ fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<
         let text = format!("{:.1}", value as f64 / 10.0);
         text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
     };
+    // A PDF leaves a path without an extent out.
+    let dot = if points.len() == 1 { "h0.01" } else { "h0" };
     for part in parts {
         for (index, [x, y]) in part.into_iter().enumerate() {
             let letter = if index == 0 || is_dots { 'M' } else { 'L' };
             let _ = write!(paths, "{letter}{} {}", tenth(x), tenth(y));
             if is_dots {
-                paths.push_str("h0");
+                paths.push_str(dot);
             }
         }
     }

@@ -109,6 +109,7 @@ impl Page {
         let is_curves = !chart.is_orbit && chart.field.is_none();
         self.charts.push(json!({
             "title": chart.title,
+            "words": chart.words(),
             "across": chart.across.title,
             "up": chart.up.title,
             "logarithmic": [chart.across.is_logarithmic, chart.up.is_logarithmic],

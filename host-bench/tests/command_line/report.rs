@@ -55,6 +55,13 @@ fn a_beam_without_and_with_a_stop_has_its_sections() {
             assert_eq!(texts[section].matches("<figure class=\"still\"><svg").count(), 1, "{name} {section}");
         }
         assert!(html.contains("@media print{.still{display:block"), "{name}");
+        assert!(texts[1].contains(" role=\"img\" aria-label=\"mean power ["), "{name}");
+        for text in &texts[1..3] {
+            let best = text.split("largest mean_power_w").nth(1).and_then(|best| best.lines().next());
+            let mut numbers =
+                best.expect("the best").split(|letter: char| !letter.is_ascii_digit() && letter != '.');
+            assert!(numbers.all(|number| number.len() <= 9), "{best:?}");
+        }
     }
 }
 
