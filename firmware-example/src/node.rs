@@ -89,8 +89,8 @@ pub fn cycle<M: Meter>(
         (board.ticks, board.samples) = (0, 0);
         let started = meter.ticks();
         let step = runner.step();
-        let ticks = meter.ticks() - started;
-        let readings = runner.state().voltage().readings() - readings;
+        let ticks = meter.ticks().wrapping_sub(started);
+        let readings = runner.state().voltage().readings().wrapping_sub(readings);
         let work = match step {
             Step::Slept if readings > 0 => Work::Reading,
             Step::Slept => Work::Wake,

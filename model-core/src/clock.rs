@@ -6,7 +6,7 @@
 //! tick is one multiplication modulo a turn; its error after 24 hours at 10 kHz is below 10⁻⁹ of a turn in either
 //! precision.
 
-use crate::scalar::Scalar;
+use crate::scalar::{Decomposed, Scalar};
 use crate::snapshot::snapshot_fields;
 
 /// Number of ticks in a second, as a power of two.
@@ -49,9 +49,7 @@ impl Instant {
         if parts.negative || seconds >= S::from_f64(67_108_864.0) {
             return None;
         }
-        scale_to_integer(parts.mantissa, parts.exponent + TICKS_PER_SECOND_LOG2)
-            .and_then(|ticks| u64::try_from(ticks).ok())
-            .map(Self)
+        scale_to_integer(parts, TICKS_PER_SECOND_LOG2).and_then(|ticks| u64::try_from(ticks).ok()).map(Self)
     }
 
     /// The instant `ticks` later.
@@ -82,12 +80,12 @@ impl Instant {
 
 snapshot_fields!(impl [] Instant { 0 });
 
-/// `mantissa · 2^exponent` rounded to nearest; `None` if it does not fit in 128 bits.
-fn scale_to_integer(mantissa: u64, exponent: i32) -> Option<u128> {
+/// `mantissa · 2^(exponent + more)` rounded to nearest; `None` if it does not fit in 128 bits.
+fn scale_to_integer(Decomposed { mantissa, exponent, .. }: Decomposed, more: i32) -> Option<u128> {
     let wide = u128::from(mantissa);
-    match exponent {
-        0..=63 => Some(wide << exponent),
-        -127..=-1 => Some((wide + (1 << (-exponent - 1))) >> -exponent),
+    match exponent.saturating_add(more) {
+        left @ 0..=63 => Some(wide << left),
+        right @ -127..=-1 => Some((wide + (1 << (-right - 1))) >> -right),
         ..-127 => Some(0),
         _ if mantissa == 0 => Some(0),
         _ => None,
@@ -139,7 +137,7 @@ impl Frequency {
         if parts.negative || hertz > S::from_f64(Self::HIGHEST_HZ) {
             return None;
         }
-        let units = scale_to_integer(parts.mantissa, parts.exponent + 96 - TICKS_PER_SECOND_LOG2)?;
+        let units = scale_to_integer(parts, 96 - TICKS_PER_SECOND_LOG2)?;
         Some(Self { upper: (units >> 32) as u64, lower: units as u32 })
     }
 

@@ -307,7 +307,7 @@ fn save_with(
     bytes: &mut [u8],
     write: impl FnOnce(&mut Writer<'_>),
 ) -> Result<usize, SnapshotError> {
-    let (needed, given) = (HEAD + size + TAIL, bytes.len());
+    let (needed, given) = (size.saturating_add(HEAD + TAIL), bytes.len());
     // The length must fit in the two bytes of the head.
     let length = u16::try_from(size).ok();
     let (Some(length), Some(snapshot)) = (length, bytes.get_mut(..needed)) else {
@@ -336,7 +336,7 @@ pub fn restore<T: Snapshot>(fingerprint: u32, bytes: &[u8]) -> Result<T, Snapsho
 fn open(size: usize, fingerprint: u32, bytes: &[u8]) -> Result<&[u8], SnapshotError> {
     let given = bytes.len();
     let too_short = |needed| SnapshotError::TooShort { needed, given };
-    let mut head = Reader::new(bytes.get(..HEAD).ok_or(too_short(HEAD + size + TAIL))?);
+    let mut head = Reader::new(bytes.get(..HEAD).ok_or(too_short(size.saturating_add(HEAD + TAIL)))?);
     if u32::read(&mut head) != MAGIC {
         return Err(SnapshotError::NotASnapshot);
     }

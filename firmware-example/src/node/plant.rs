@@ -38,7 +38,7 @@ impl Draws {
     #[must_use]
     pub fn new(node: &ExampleNode) -> Self {
         let MapParameters { voltage, bursts, .. } = node.parameters();
-        let of = |joules: f32, percent: u64| (1e12 * joules) as u64 * percent / u64::from(OUT_OF_STORAGE);
+        let of = |joule: f32, part: u64| part.wrapping_mul((1e12 * joule) as u64) / u64::from(OUT_OF_STORAGE);
         Self {
             standing: of(voltage.standing_power, STANDING),
             reading: of(voltage.reading, NODE_COST),
@@ -114,14 +114,15 @@ impl Plant {
             let within = self.second % 60;
             let seconds = (until - self.second).min(60 - within);
             let energy = u64::from(minute(self.second).energy);
-            let harvested = |second: u32| energy * u64::from(second) * 50 / 3;
-            let income = harvested(within + seconds) - harvested(within);
-            let lost = (self.stored / LEAKING + draws.standing) * u64::from(seconds);
-            let stored = (self.stored + income * u64::from(INTO_STORAGE) / 100).saturating_sub(lost);
+            let harvested = |second: u32| energy.wrapping_mul(50 * u64::from(second)) / 3;
+            let income = harvested(within.wrapping_add(seconds)).wrapping_sub(harvested(within));
+            let lost = (self.stored / LEAKING).wrapping_add(draws.standing).wrapping_mul(seconds.into());
+            let into = u64::from(INTO_STORAGE);
+            let stored = self.stored.wrapping_add(income.wrapping_mul(into) / 100).saturating_sub(lost);
             self.stored = stored.min(energy_at(HIGHEST));
-            self.shunted += (stored - self.stored) * 100 / u64::from(INTO_STORAGE);
-            self.income += income;
-            self.second += seconds;
+            self.shunted = self.shunted.wrapping_add(stored.abs_diff(self.stored).wrapping_mul(100) / into);
+            self.income = self.income.wrapping_add(income);
+            self.second = self.second.wrapping_add(seconds);
         }
     }
 
@@ -131,22 +132,22 @@ impl Plant {
 
     /// Draws what so many readings took.
     pub fn know(&mut self, draws: &Draws, readings: u32) {
-        self.draw(draws.reading * u64::from(readings));
+        self.draw(draws.reading.wrapping_mul(readings.into()));
     }
 
     /// Reads the voltage of the storage.
     pub fn read(&mut self) -> u32 {
         const CODES: u32 = 1 << BITS;
-        let voltage = Scalar::sqrt(2e-12 / CAPACITANCE * self.stored as f32);
-        let code = (voltage * (1024.0 * CODES as f32 / FULL_SCALE)) as i32 + self.noise(CODE_NOISE);
-        self.code = ((code + 512) >> 10).clamp(0, CODES as i32 - 1) as u32;
+        let volts = Scalar::sqrt(2e-12 / CAPACITANCE * self.stored as f32);
+        let code = self.noise(CODE_NOISE).wrapping_add((volts * (1024.0 * CODES as f32 / FULL_SCALE)) as i32);
+        self.code = (code.wrapping_add(512) >> 10).clamp(0, CODES as i32 - 1) as u32;
         self.code
     }
 
     /// Carries an action out.
     pub fn run(&mut self, draws: &Draws, action: usize) {
         if let (Some(energy), Some(ran)) = (draws.actions.get(action), self.ran.get_mut(action)) {
-            *ran += 1;
+            *ran = ran.wrapping_add(1);
             self.draw(*energy);
         }
     }
@@ -166,8 +167,8 @@ impl Plant {
     /// Fills the FIFO with so many samples; the second at which they are there.
     pub fn fill(&mut self, samples: u32) -> u32 {
         let Some(sensor) = &mut self.sensor else { return self.second };
-        sensor.waiting += samples;
-        sensor.started + (sensor.taken + sensor.waiting).div_ceil(RATE)
+        sensor.waiting = sensor.waiting.wrapping_add(samples);
+        sensor.started.wrapping_add(sensor.taken.wrapping_add(sensor.waiting).div_ceil(RATE))
     }
 
     /// Moves samples out of the FIFO; their number.
@@ -175,14 +176,13 @@ impl Plant {
         let Some(mut sensor) = self.sensor else { return 0 };
         let count = samples.len().min(sensor.waiting as usize);
         for sample in samples.iter_mut().take(count) {
-            let [one, other] = minute(sensor.started + sensor.taken / RATE).lines;
+            let [one, other] = minute(sensor.started.wrapping_add(sensor.taken / RATE)).lines;
             let [one_phase, other_phase] = &mut sensor.phases;
             let value = shaken(one, one_phase) + shaken(other, other_phase);
             *sample = ((value + 256 * GRAVITY + self.noise(COUNT_NOISE) + 128) >> 8) as i16;
-            sensor.taken += 1;
+            sensor.taken = sensor.taken.wrapping_add(1);
         }
-        sensor.waiting -= count as u32;
-        self.sensor = Some(sensor);
+        self.sensor = Some(Sensor { waiting: sensor.waiting.wrapping_sub(count as u32), ..sensor });
         count
     }
 
@@ -199,8 +199,8 @@ impl Plant {
     /// Noise of a root mean square, up to 2000, as the sum of four even numbers.
     fn noise(&mut self, deviation: i32) -> i32 {
         // Each of them has the variance (256² - 1)/12, their sum that of 147.8².
-        let sum: i32 = self.random().to_le_bytes().map(i32::from).iter().sum();
-        (sum - 510) * deviation / 148
+        let add = |sum: i32, byte: u8| sum.wrapping_add(byte.into());
+        self.random().to_le_bytes().into_iter().fold(-510, add).wrapping_mul(deviation) / 148
     }
 }
 
@@ -211,7 +211,7 @@ fn shaken([amplitude, frequency]: [u16; 2], phase: &mut u32) -> i32 {
     *phase = phase.wrapping_add(((u64::from(frequency) * TURN) >> 8) as u32);
     // A count is 9.80665 mm/s².
     let amplitude = i32::from(amplitude.min(4900)) * 26_105 / 1000;
-    (amplitude * sine(*phase)) >> 14
+    amplitude.wrapping_mul(sine(*phase)) >> 14
 }
 
 /// Steps of the table of a quarter of a sine, and their bits.
@@ -243,7 +243,7 @@ fn sine(phase: u32) -> i32 {
     let place = (within >> (32 - STEP_BITS)) as usize;
     let part = (within >> (16 - STEP_BITS) & 0xffff) as i32;
     let at = |place: usize| QUARTER.get(place).copied().map_or(0, i32::from);
-    let value = at(place) + (((at(place + 1) - at(place)) * part) >> 16);
+    let value = at(place).wrapping_add(at(place + 1).wrapping_sub(at(place)).wrapping_mul(part) >> 16);
     if phase & 1 << 31 == 0 { value } else { -value }
 }
 

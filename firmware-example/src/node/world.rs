@@ -141,7 +141,7 @@ impl World {
     /// Income in pJ since the last call.
     pub(super) fn income_since(&mut self) -> u64 {
         let income = self.plant.income;
-        income - core::mem::replace(&mut self.plant.reported, income)
+        income.wrapping_sub(core::mem::replace(&mut self.plant.reported, income))
     }
 
     /// Losses of power so far.
@@ -175,9 +175,8 @@ impl World {
 
     pub(super) fn count(&mut self, work: Work, samples: u32, ticks: u64) {
         if let Some(count) = self.counts.get_mut(work as usize) {
-            count.calls += 1;
-            count.samples += samples;
-            count.ticks += ticks;
+            (count.calls, count.samples) = (count.calls.wrapping_add(1), count.samples.wrapping_add(samples));
+            count.ticks = count.ticks.wrapping_add(ticks);
         }
     }
 
@@ -188,8 +187,7 @@ impl World {
     }
 
     fn lose_power(&mut self) {
-        self.losses += 1;
-        self.is_off = true;
+        (self.losses, self.is_off) = (self.losses.wrapping_add(1), true);
     }
 }
 
@@ -218,7 +216,7 @@ impl<'a, M: Meter> Simulated<'a, M> {
     fn work<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
         let started = self.meter.ticks();
         let done = work(self);
-        self.ticks += self.meter.ticks() - started;
+        self.ticks = self.ticks.wrapping_add(self.meter.ticks().wrapping_sub(started));
         done
     }
 }
@@ -227,7 +225,7 @@ impl<M: Meter> Board for Simulated<'_, M> {
     fn sleep(&mut self, seconds: u32, samples: u32) -> u32 {
         self.work(|board| {
             let plant = &mut board.world.plant;
-            let until = if samples > 0 { plant.fill(samples) } else { plant.second + seconds };
+            let until = if samples > 0 { plant.fill(samples) } else { plant.second.wrapping_add(seconds) };
             plant.advance(&board.draws, until);
             plant.second
         })
@@ -248,7 +246,7 @@ impl<M: Meter> Board for Simulated<'_, M> {
 
     fn read_samples(&mut self, samples: &mut [i16]) -> Result<usize, Fault> {
         let count = self.work(|board| board.world.plant.take(samples));
-        self.samples += count as u32;
+        self.samples = self.samples.wrapping_add(count as u32);
         if count > 0 && self.world.due() == Some(Moment::Sampling) {
             self.world.lose_power();
         }

@@ -115,7 +115,7 @@ impl<H: Harvester<f32>> Workload for Fed<H> {
         if self.entries == ENTRIES {
             return Progress::Finished;
         }
-        self.entries += 1;
+        self.entries = self.entries.wrapping_add(1);
         for _ in 0..self.tone.periods {
             for (_, &count) in (0..self.tone.period).zip(&self.counts) {
                 if self.estimator.push_count(count, u32::MAX).is_err() {
@@ -126,7 +126,7 @@ impl<H: Harvester<f32>> Workload for Fed<H> {
         let estimate = self.estimator.estimate();
         let relative = estimate.uncertainty.relative.unwrap_or(f32::INFINITY);
         self.bits = [estimate.energy, estimate.mean_power, relative].map(f32::to_bits);
-        let samples = self.tone.period * self.tone.periods;
+        let samples = self.tone.period.wrapping_mul(self.tone.periods);
         Progress::Sample { steps: samples, simulated_us: (1e6 * samples as f32 / self.tone.rate()) as u32 }
     }
 

@@ -62,7 +62,7 @@ impl Workload for LookUp {
         if self.entries == 2 {
             return Progress::Finished;
         }
-        self.entries += 1;
+        self.entries = self.entries.wrapping_add(1);
         for _ in 0..CALLS {
             let [amplitude, frequency] = black_box(self.place);
             let Some(income) = self.map.at(amplitude, frequency).income() else { return Progress::Failed };
@@ -88,7 +88,7 @@ impl BurstBench {
     /// With a square wave of 20 Hz on gravity, with noise: the cost hardly depends on the values.
     fn new(bank: LineBank<SECTION, SECTIONS>) -> Self {
         let (mut burst, mut seed) = ([0; BURST], 1_u32);
-        for (n, sample) in burst.iter_mut().enumerate() {
+        for (n, sample) in (0..BURST).zip(&mut burst) {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             *sample = 8192 + (seed >> 26) as i16 + if n % 20 < 10 { 1600 } else { -1600 };
         }
@@ -105,7 +105,7 @@ impl Workload for BurstBench {
         if self.blocks == BLOCKS {
             return Progress::Finished;
         }
-        self.blocks += 1;
+        self.blocks = self.blocks.wrapping_add(1);
         let burst = black_box(&self.burst);
         let samples = self.bank.block() as u32;
         let mut left = samples;
@@ -116,9 +116,9 @@ impl Workload for BurstBench {
             if let Some(lines) = lines {
                 self.bits = [lines.amplitude, lines.frequency, lines.density].map(f32::to_bits);
             }
-            left -= taken as u32;
+            left = left.wrapping_sub(taken as u32);
         }
-        Progress::Sample { steps: samples, simulated_us: samples * 2500 }
+        Progress::Sample { steps: samples, simulated_us: samples.wrapping_mul(2500) }
     }
 
     fn state(&self) -> &[u32] {

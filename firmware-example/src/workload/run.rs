@@ -86,14 +86,16 @@ where
         if self.samples == self.plan.samples {
             return Progress::Finished;
         }
-        self.samples += 1;
-        let until = Instant::from_ticks(u64::from(self.samples * self.plan.quarters) * QUARTER_TICKS);
+        self.samples = self.samples.wrapping_add(1);
+        let until = u64::from(self.samples.wrapping_mul(self.plan.quarters)).wrapping_mul(QUARTER_TICKS);
+        let until = Instant::from_ticks(until);
         let advance =
             self.harvester.advance(&mut self.state, &self.excitation, until, u32::MAX, &mut self.meter);
         let Ok(advance) = advance else { return Progress::Failed };
         let delivered = self.meter.delivered_energy();
         (self.words)(&self.harvester, &self.state, delivered, advance.work, &mut self.bits);
-        Progress::Sample { steps: advance.work.steps, simulated_us: self.plan.quarters * QUARTER_US }
+        let simulated_us = self.plan.quarters.wrapping_mul(QUARTER_US);
+        Progress::Sample { steps: advance.work.steps, simulated_us }
     }
 
     fn state(&self) -> &[u32] {
@@ -150,7 +152,7 @@ pub fn piezoelectric<P: Parts<f32>, const B: usize, const R: usize>(
         delivered.to_bits(),
         of_the_last.to_bits(),
         of_the_rod.to_bits(),
-        words[REJECTED] + work.rejected,
+        words[REJECTED].wrapping_add(work.rejected),
     ];
 }
 

@@ -317,7 +317,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         loop {
             while self.state.pending {
                 let left = budget.saturating_sub(work.attempts());
-                if work.attempts() + work.events > 0 && left < H::LEAST_BUDGET {
+                if work.attempts().max(work.events) > 0 && left < H::LEAST_BUDGET {
                     return Ok(Progress { finished: false, work });
                 }
                 let State { stream, harvester, accumulator, .. } = &mut self.state;

@@ -291,7 +291,7 @@ impl<W: WordSource> ResponseMap<W> {
             Some(0) if self.voltage_level(0) == voltage => self.in_slice(0, at.0, at.1),
             Some(slice @ 1..) => {
                 let [low, high] = [slice - 1, slice].map(|slice| self.voltage_level(slice));
-                let nearer_high = 2 * (voltage - low) >= high - low;
+                let nearer_high = voltage.abs_diff(low) >= high.abs_diff(voltage);
                 between(self.in_slice(slice - 1, at.0, at.1), self.in_slice(slice, at.0, at.1), nearer_high)
             }
             _ => Response::Outside(Outside::Voltage),
@@ -308,9 +308,9 @@ impl<W: WordSource> ResponseMap<W> {
         if factor == 0 {
             return None;
         }
-        let value =
-            if density > 0.0 { number(level + factor - POWER_OCTAVES * LEVELS_PER_OCTAVE) } else { 0.0 };
-        let is_linear = level + DENSITY_OCTAVES * LEVELS_PER_OCTAVE <= largest;
+        let power = level.wrapping_add(factor).wrapping_sub(POWER_OCTAVES * LEVELS_PER_OCTAVE);
+        let value = if density > 0.0 { number(power) } else { 0.0 };
+        let is_linear = level.wrapping_add(DENSITY_OCTAVES * LEVELS_PER_OCTAVE) <= largest;
         Some(Broadband { value, is_linear })
     }
 
@@ -321,7 +321,7 @@ impl<W: WordSource> ResponseMap<W> {
     /// Resonance of the harvester in Hz.
     pub(crate) fn resonance(&self) -> f32 {
         // A unit of 2^−shift Hz.
-        f32::from_i32(self.plan.resonance) * f32::from_bits((self.plan.right - 31) << 23)
+        f32::from_i32(self.plan.resonance) * f32::from_bits(self.plan.right.wrapping_sub(31) << 23)
     }
 
     /// Whether the map reaches over a frequency in Hz.
@@ -357,10 +357,10 @@ impl<W: WordSource> ResponseMap<W> {
         let columns = [left, right];
         let plan = &self.plan;
         let [rising, falling] = boundaries(columns, place);
-        let [below, above] = [rising - level, level - falling];
-        let (branch, income) = if above + plan.margin < 0 {
+        let [below, above] = [rising.wrapping_sub(level), level.wrapping_sub(falling)];
+        let (branch, income) = if above.wrapping_add(plan.margin) < 0 {
             (Branch::Lower, plan.income(&plan.lower, columns, lower, below, place))
-        } else if below + plan.margin < 0 {
+        } else if below.wrapping_add(plan.margin) < 0 {
             (Branch::Upper, plan.income(&plan.upper, columns, upper, above, place))
         } else {
             let [lower, upper] = plan.both(columns, [lower, upper], [below, above], place);
@@ -398,7 +398,7 @@ fn level_of_density(density: f32) -> Option<i32> {
     /// Octaves by which the exponent is raised: densities are small, and levels begin at 2⁻¹⁶.
     const RAISED: i32 = 64;
     let raised = density.to_bits().checked_add(RAISED.cast_unsigned() << 23)?;
-    level(f32::from_bits(raised)).map(|level| level - (AMPLITUDE_OCTAVES + RAISED) * LEVELS_PER_OCTAVE)
+    Some(level(f32::from_bits(raised))?.wrapping_sub((AMPLITUDE_OCTAVES + RAISED) * LEVELS_PER_OCTAVE))
 }
 
 /// The answer between two slices: the value of the nearer one, and the bounds of both.

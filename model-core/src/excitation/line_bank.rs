@@ -145,7 +145,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         if seconds < least {
             return Err(ExcitationError::Block { seconds, least });
         }
-        let near = [floor(low) + 1, floor(high)];
+        let near = [floor(low).wrapping_add(1), floor(high)];
         let (reference, rotation, gain) = Self::tables(samples, cycles);
         Ok(Self { reference, rotation, samples, reference_hz, bin_hz, near, gain, unit })
     }
@@ -153,12 +153,12 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
     /// The reference of a section, the rotation of the bins, and what their powers are multiplied with.
     const fn tables(samples: usize, cycles: usize) -> ([[i32; 2]; M], [[i16; 2]; P], [f32; MOST_BINS]) {
         let (mut reference, mut rotation, mut gain) = ([[0; 2]; M], [[0; 2]; P], [0.0; MOST_BINS]);
-        let mut sum = [0; 2];
+        let mut sum = [0_i32; 2];
         let mut index = 0;
         while index < samples && index < M {
-            let [cosine, sine] = turned(index * cycles, samples, REFERENCE);
+            let [cosine, sine] = turned(index.wrapping_mul(cycles), samples, REFERENCE);
             reference[index] = [cosine as i32, sine as i32];
-            sum = [sum[0] + reference[index][0], sum[1] + reference[index][1]];
+            sum = [sum[0].wrapping_add(cosine as i32), sum[1].wrapping_add(sine as i32)];
             index += 1;
         }
         // What rounding left of its mean: a unit from each of the first entries.
@@ -166,7 +166,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         while index < 2 * M {
             let (entry, part) = (index / 2, index % 2);
             if entry < sum[part].unsigned_abs() as usize {
-                reference[entry][part] -= sum[part].signum();
+                reference[entry][part] = reference[entry][part].wrapping_sub(sum[part].signum());
             }
             index += 1;
         }
@@ -204,7 +204,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
     /// Samples in a block.
     #[must_use]
     pub const fn block(&self) -> usize {
-        self.samples * P
+        self.samples.wrapping_mul(P)
     }
 
     /// Samples in a second, to a rounding.
@@ -247,11 +247,11 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
             let count = left.len().min(reference.len());
             for (&sample, &[c, s]) in left.iter().zip(reference) {
                 let sample = i32::from(sample);
-                cosine = cosine.wrapping_add(sample * c);
-                sine = sine.wrapping_add(sample * s);
+                cosine = cosine.wrapping_add(sample.wrapping_mul(c));
+                sine = sine.wrapping_add(sample.wrapping_mul(s));
             }
             state.section = [cosine, sine];
-            state.place += count as u32;
+            state.place = state.place.wrapping_add(count as u32);
             taken += count;
             if state.place as usize >= self.samples && self.end_section(state) {
                 let lines = self.lines(state);
@@ -267,9 +267,8 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         if let Some(entry) = state.sections.get_mut(state.count as usize) {
             *entry = state.section;
         }
-        state.section = [0; 2];
-        state.place = 0;
-        state.count += 1;
+        (state.section, state.place) = ([0; 2], 0);
+        state.count = state.count.wrapping_add(1);
         state.count as usize >= P
     }
 
@@ -280,23 +279,22 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         let sums = state.sections.iter().flatten();
         let largest = sums.fold(0, |largest: u32, sum| largest.max(sum.unsigned_abs()));
         let shift = (32 - largest.leading_zeros()).saturating_sub(SECTION_BITS);
-        let sections = state.sections.map(|section| section.map(|sum| sum >> shift));
+        let sections = state.sections.map(|section| section.map(|sum| sum.wrapping_shr(shift)));
         let squares = self.squares(&sections);
         // Counts times samples, of one unit of a bin.
-        let scale = f32::from_u32(1 << shift) * (1.0 / (REFERENCE * ROTATION));
+        let scale = f32::from_u32(1_u32.wrapping_shl(shift)) * (1.0 / (REFERENCE * ROTATION));
         let (mut strongest, mut place, mut beside) = (0.0_f32, 0, [0.0_f32; 2]);
-        let (mut total, mut near, mut near_count) = (0.0_f32, 0.0_f32, 0);
-        let mut below = 0.0;
-        for (index, &here) in squares.iter().enumerate().take(2 * Self::REACH as usize + 1) {
-            let bin = index as i32 - Self::REACH;
-            let above = squares.get(index + 1).copied().unwrap_or(0.0);
+        let (mut total, mut near, mut near_count, mut below) = (0.0_f32, 0.0_f32, 0_i32, 0.0);
+        for (index, &here) in (0..Self::BINS).zip(&squares) {
+            let bin = (index as i32).wrapping_sub(Self::REACH);
+            let above = squares.get(index.wrapping_add(1)).copied().unwrap_or(0.0);
             if here > strongest {
                 (strongest, place, beside) = (here, bin, [below, above]);
             }
             total += here;
             if bin >= self.near[0] && bin <= self.near[1] {
                 near += here * self.gain_of(index);
-                near_count += 1;
+                near_count = near_count.wrapping_add(1);
             }
             below = here;
         }
@@ -304,8 +302,8 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
             return Lines::default();
         }
         let mut rest = 0.0_f32;
-        for (index, &square) in squares.iter().enumerate().take(2 * Self::REACH as usize + 1) {
-            let bin = index as i32 - Self::REACH;
+        for (index, &square) in (0..Self::BINS).zip(&squares) {
+            let bin = (index as i32).wrapping_sub(Self::REACH);
             if bin >= self.near[0] && bin <= self.near[1] && bin.abs_diff(place) > LOBE {
                 rest += square * self.gain_of(index);
             }
@@ -314,7 +312,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         let ratio = Scalar::sqrt(larger / strongest);
         let off = towards * Scalar::max((2.0 * ratio - 1.0) / (ratio + 1.0), 0.0);
         // The line's own part of the bin beyond the larger neighbour: the ratio of the window's lobes at 2 − x and x bins.
-        let (x, next) = (off.abs(), place + Self::REACH + 2 * if towards > 0.0 { 1 } else { -1 });
+        let (x, next) = (off.abs(), place.wrapping_add(Self::REACH + if towards > 0.0 { 2 } else { -2 }));
         let lobes = x * (1.0 + x) / ((2.0 - x) * (3.0 - x));
         let next = usize::try_from(next).ok().and_then(|index| squares.get(index)).copied().unwrap_or(0.0);
         let beyond = Scalar::min(next, strongest * lobes * lobes);
@@ -354,7 +352,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         let reach = Self::REACH as usize + 1;
         for bin in 0..=reach {
             let [of_minus, of_plus] = self.pair(sections, bin);
-            for (place, value) in [(reach - bin, of_minus), (reach + bin, of_plus)] {
+            for (place, value) in [(reach.wrapping_sub(bin), of_minus), (reach.wrapping_add(bin), of_plus)] {
                 if let Some(entry) = bins.get_mut(place) {
                     *entry = value;
                 }
@@ -363,8 +361,8 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         for (square, bins) in squares.iter_mut().zip(bins.windows(3)).take(2 * Self::REACH as usize + 1) {
             let &[below, here, above] = bins else { continue };
             // In integers: software floating point takes several times as many instructions.
-            let part = |here: i32, below: i32, above: i32| f32::from_i32(here - ((below + above) >> 1));
-            let [real, imaginary] = [part(here[0], below[0], above[0]), part(here[1], below[1], above[1])];
+            let part = |a: i32, b: i32, c: i32| f32::from_i32(b.wrapping_sub(a.wrapping_add(c) >> 1));
+            let [real, imaginary] = [part(below[0], here[0], above[0]), part(below[1], here[1], above[1])];
             *square = real * real + imaginary * imaginary;
         }
         squares
@@ -377,9 +375,10 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         let mut turn = 0_usize;
         for &[a, b] in sections {
             let [c, s] = self.rotation.get(turn & (P - 1)).map_or([0, 0], |pair| pair.map(i32::from));
-            let [ac, bs, a_s, bc] = [a * c, b * s, a * s, b * c];
-            plus = [plus[0].wrapping_add(ac - bs), plus[1].wrapping_add(a_s + bc)];
-            minus = [minus[0].wrapping_add(ac + bs), minus[1].wrapping_add(bc - a_s)];
+            let [ac, bs, a_s, bc] =
+                [(a, c), (b, s), (a, s), (b, c)].map(|(one, other)| one.wrapping_mul(other));
+            plus = [plus[0].wrapping_add(ac.wrapping_sub(bs)), plus[1].wrapping_add(a_s.wrapping_add(bc))];
+            minus = [minus[0].wrapping_add(ac.wrapping_add(bs)), minus[1].wrapping_add(bc.wrapping_sub(a_s))];
             turn = turn.wrapping_add(bin);
         }
         [minus, plus]
@@ -393,7 +392,7 @@ const fn real(count: usize) -> f32 {
 
 /// The largest whole number that is not above `number`, which is within a thousand of 0.
 const fn floor(number: f32) -> i32 {
-    (number + 1024.0) as i32 - 1024
+    ((number + 1024.0) as i32).wrapping_sub(1024)
 }
 
 /// Cosine and minus sine of `part/whole` turns, times `unit`, rounded.
@@ -402,9 +401,9 @@ const fn turned(part: usize, whole: usize, unit: f32) -> [i16; 2] {
         return [0; 2];
     };
     let phase = (part as u32).wrapping_mul(step);
-    let cosine = sine_of_phase(phase.wrapping_add(1 << 30)) * unit;
-    let sine = -sine_of_phase(phase) * unit;
-    [((cosine + 4096.5) as i32 - 4096) as i16, ((sine + 4096.5) as i32 - 4096) as i16]
+    let cosine = sine_of_phase(phase.wrapping_add(1 << 30)) * unit + 4096.5;
+    let sine = -sine_of_phase(phase) * unit + 4096.5;
+    [(cosine as i32).wrapping_sub(4096) as i16, (sine as i32).wrapping_sub(4096) as i16]
 }
 
 /// `sin(πx)/(πx)` to 10⁻⁴ for |x| up to 0.6, by its series.

@@ -280,7 +280,7 @@ impl<S: Scalar, const LINES: usize, M: Mathematics<S>> Random<S, LINES, M> {
         let Piece { index: last, values: [_, a, b, c, d, e, f, g] } = self.knots.get();
         let known = if last.wrapping_add(1) == index { KNOTS as u64 - 1 } else { 0 };
         let mut values = [a, b, c, d, e, f, g, S::ZERO];
-        for (number, value) in (0..).zip(&mut values) {
+        for (number, value) in (0..KNOTS as u64).zip(&mut values) {
             if number >= known {
                 *value = self.knot(index.wrapping_add(number));
             }

@@ -45,7 +45,7 @@ pub(super) fn line_of_pieces<S: Scalar>(
     let mut until = excitation.smooth_ticks(at).min(ticks);
     let (mut mean, mut moment) = (S::ZERO, S::ZERO);
     loop {
-        let piece = line_of(at.after(from), until - from, left);
+        let piece = line_of(at.after(from), until.wrapping_sub(from), left);
         let (begin, end) = (place(from), place(until));
         let (length, middle) = (end - begin, half * (begin + end));
         mean += length * piece.mean;

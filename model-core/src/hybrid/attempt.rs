@@ -9,6 +9,11 @@ use crate::scalar::Scalar;
 /// Largest number of guards of a mode: each has a bit in the set of guards located in a step.
 pub(super) const MOST_GUARDS: usize = 32;
 
+/// The bit of a guard.
+pub(super) const fn bit(index: usize) -> u32 {
+    1_u32.wrapping_shl(index as u32)
+}
+
 /// Most attempts to locate the events of one step. Newton's iteration needs two or three per event; bisection of 2³² ticks needs 32.
 pub(super) const MOST_ATTEMPTS: u32 = 40;
 
@@ -109,7 +114,7 @@ where
         let mut first = None;
         for index in 0..self.automaton.guards(self.mode).min(MOST_GUARDS) {
             let (start, end) = (self.guard(index, self.start, 0), self.guard(index, end, ticks));
-            if done & (1 << index) == 0
+            if done & bit(index) == 0
                 && let Some(theta) = start.until(&end, seconds_of_ticks(ticks)).first_fall()
                 && first.is_none_or(|(_, earliest)| theta < earliest)
             {
@@ -145,11 +150,11 @@ where
         // Resolution in ticks that rounding allows.
         let resolution = (S::from_u32(full_ticks) * S::EPSILON * S::from_f64(8.0)).to_u32().max(1);
         let mut ticks = (theta * S::from_u32(full_ticks)).to_u32().saturating_add(1);
-        while far - short > 1 && attempts < most_attempts {
+        while far.wrapping_sub(short) > 1 && attempts < most_attempts {
             // `clamp` can panic, `max` and `min` cannot: `far` stays above `short + 1` here.
-            ticks = ticks.max(short + 1).min(far - 1);
+            ticks = ticks.max(short.wrapping_add(1)).min(far.wrapping_sub(1));
             attempts += 1;
-            work.locating += 1;
+            work.locating = work.locating.wrapping_add(1);
             let trial = self.attempt(ticks, None)?;
             work.iterations = work.iterations.saturating_add(trial.iterations);
             let guard = self.guard(index, &trial.end, ticks);
@@ -157,22 +162,18 @@ where
             if fallen || !reached.fell {
                 (reached.trial, reached.ticks, reached.fell) = (trial, ticks, fallen);
             }
-            if fallen {
-                far = ticks
-            } else {
-                short = ticks
-            }
+            (short, far) = if fallen { (short, ticks) } else { (ticks, far) };
             if !fallen && !(guard.rate < S::ZERO) && far > full_ticks {
                 // The guard has passed a minimum above zero: a graze without contact.
                 return Ok(reached);
             }
             let correction = (guard.value / guard.rate).abs() / seconds_of_ticks(1);
             let correction = if guard.rate < S::ZERO { correction.to_u32() } else { u32::MAX };
-            if fallen && correction < resolution || far - short <= resolution {
+            if fallen && correction < resolution || far.wrapping_sub(short) <= resolution {
                 break;
             }
-            ticks = if correction > far - short {
-                short + (far - short) / 2
+            ticks = if correction > far.wrapping_sub(short) {
+                short.midpoint(far)
             } else if fallen {
                 ticks.saturating_sub(correction)
             } else {

@@ -1,6 +1,6 @@
 //! Advances a hybrid state: step, event location, jump.
 
-use super::attempt::{Attempts, MOST_ATTEMPTS, MOST_GUARDS};
+use super::attempt::{Attempts, MOST_ATTEMPTS, MOST_GUARDS, bit};
 use super::outcome::{Advance, Ended, StepError, StepFailure, Work};
 use super::search::Search;
 use super::{Automaton, HybridState, InputAt};
@@ -121,7 +121,7 @@ impl<M, C> Driver<M, C> {
                         // A constant state is outside at any step.
                         if taken.ticks > DOMAIN_TICKS && taken.trial.end.state != state.point.state {
                             // A shorter step locates where the domain is left.
-                            work.rejected += 1;
+                            work.rejected = work.rejected.wrapping_add(1);
                             self.control.shorten(&mut state.control, taken.ticks);
                             continue;
                         }
@@ -132,7 +132,7 @@ impl<M, C> Driver<M, C> {
                     let settled = self.settled_start::<O, _, _, N, P>(automaton, state, taken.ticks);
                     let start = settled.as_ref().unwrap_or(&state.point);
                     observer.step(&accepted_step::<O, _, _, N, P>(automaton, state, start, &taken));
-                    work.steps += 1;
+                    work.steps = work.steps.wrapping_add(1);
                     state.clock = state.clock.after(taken.ticks);
                     state.since_event = state.since_event.saturating_add(taken.ticks);
                     state.point = taken.trial.end;
@@ -143,7 +143,7 @@ impl<M, C> Driver<M, C> {
             };
             if let Some(guard) = event {
                 self.take_jump(automaton, state, excitation, guard, observer)?;
-                work.events += 1;
+                work.events = work.events.wrapping_add(1);
                 may_be_due = true;
                 longest = self.longest_in(automaton, state, excitation, &scale);
                 if self.pause_at_events {
@@ -204,7 +204,7 @@ impl<M, C> Driver<M, C> {
                 && state.since_event <= if M::PREDICTS { 0 } else { LAYER_TICKS },
         };
         let shorten = |memory: &mut _, work: &mut Work| {
-            work.rejected += 1;
+            work.rejected = work.rejected.wrapping_add(1);
             if planned < SHORTEST_TICKS {
                 return Err(StepFailure::StepVanished);
             }
@@ -228,7 +228,7 @@ impl<M, C> Driver<M, C> {
             if !is_constant
                 && self.judge(&flow, &mut control, &state.point, &trial, ticks, scale) == Verdict::Reject
             {
-                work.rejected += 1;
+                work.rejected = work.rejected.wrapping_add(1);
                 if search.ticks < SHORTEST_TICKS {
                     return Err(StepFailure::StepVanished);
                 }
@@ -236,7 +236,7 @@ impl<M, C> Driver<M, C> {
                 return Ok(None);
             }
             if M::PREDICTS && attempts.must_repeat(&mut trial, &mut search) {
-                work.locating += 1;
+                work.locating = work.locating.wrapping_add(1);
                 continue;
             }
             let Search { ticks, event, .. } = search;
@@ -330,7 +330,7 @@ impl<M, C> Driver<M, C> {
         M: Method<S>,
     {
         let crowded = state.since_event < CROWDED_TICKS;
-        let crowded_events = if crowded { state.crowded_events + 1 } else { 0 };
+        let crowded_events = if crowded { state.crowded_events.wrapping_add(1) } else { 0 };
         if crowded_events > MOST_CROWDED_EVENTS {
             return Err(StepError { failure: StepFailure::EventStorm, at: state.clock });
         }
@@ -360,8 +360,7 @@ impl<M, C> Driver<M, C> {
         state.mode = jump.mode;
         state.point = left;
         state.armed = jump.armed;
-        state.since_event = 0;
-        state.crowded_events = crowded_events;
+        (state.since_event, state.crowded_events) = (0, crowded_events);
         Ok(())
     }
 }
@@ -394,11 +393,10 @@ fn first_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>
         }
         let before = work.locating;
         let located = attempts.locate(guard, theta, taken.trial, taken.ticks, attempts_left, work)?;
-        attempts_left -= (work.locating - before).min(attempts_left);
-        taken.trial = located.trial;
-        taken.ticks = located.ticks;
+        attempts_left = attempts_left.saturating_sub(work.locating.wrapping_sub(before));
+        (taken.trial, taken.ticks) = (located.trial, located.ticks);
         taken.event = located.fell.then_some(guard);
-        done |= 1 << guard;
+        done |= bit(guard);
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! A step of a method that predicts the motion: its event is located on the prediction, before the circuit is solved.
 
-use super::attempt::Attempts;
+use super::attempt::{Attempts, bit};
 use super::search::{Extension, Fall, Next, Reached, Search, ticks_after};
 use super::{Automaton, Guard};
 use crate::clock::seconds_of_ticks;
@@ -71,7 +71,7 @@ where
         }
         // Without a prediction only an attempt shows whether a guard falls.
         !search.predicted && {
-            search.done |= search.event.map_or(0, |index| 1 << index);
+            search.done |= search.event.map_or(0, bit);
             self.approaches(search, &{ trial.end })
         }
     }
@@ -88,7 +88,7 @@ where
         }
         // The predicted circuit can conduct before an impact, and that of the attempt after it.
         if (guard.value > S::ZERO || !matches!(reached, Reached::Beyond))
-            && let Some(fall) = self.expected_fall([ticks; 2], end, 1 << index, true)
+            && let Some(fall) = self.expected_fall([ticks; 2], end, bit(index), true)
             && search.return_to(fall, index, ticks)
         {
             return Reached::Beyond;
@@ -133,7 +133,7 @@ where
     #[cold]
     #[inline(never)]
     fn narrows(&self, search: &mut Search<S>, index: usize, end: &Point<S, N, P>) -> bool {
-        let done = search.done | 1 << index;
+        let done = search.done | bit(index);
         match search.advance(&self.guard(index, end, search.ticks), &self.extension()) {
             Next::Located => {
                 // Along the whole step the fall of another guard can be hidden, as a slider's turn just beyond the centre.
@@ -180,7 +180,7 @@ where
         let mut first: Option<Fall> = None;
         self.each_guard(point, ticks, |index, end| {
             let is_above = end.value > S::ZERO;
-            if done & (1 << index) != 0 || certain && is_above {
+            if done & bit(index) != 0 || certain && is_above {
                 return;
             }
             // Without a start the guard falls soon after the end: a step that ended just before an event would be followed by
@@ -227,9 +227,9 @@ where
             (end.state[i], end.remainder[i]) = add_increment(end.state[i], end.remainder[i], increment);
             end.derivative[i] += missing * turn;
         }
-        for (i, energy) in trial.energies.iter_mut().enumerate() {
-            let turn = bend(*energy, start.powers[i], end.powers[i]);
-            *energy += missing * (end.powers[i] + half * turn);
+        for i in 0..P {
+            let turn = bend(trial.energies[i], start.powers[i], end.powers[i]);
+            trial.energies[i] += missing * (end.powers[i] + half * turn);
             end.powers[i] += missing * turn;
         }
         self.automaton.flow(self.mode).correct_energies(&start.state, &end.state, &mut trial.energies);

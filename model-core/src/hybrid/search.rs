@@ -1,6 +1,6 @@
 //! The search for the event at the end of a step: its bracket, and what follows each prediction and each attempt.
 
-use super::Guard;
+use super::{Guard, attempt::bit};
 use crate::clock::seconds_of_ticks;
 use crate::scalar::Scalar;
 
@@ -146,7 +146,7 @@ impl<S: Scalar> Search<S> {
             return matches!(self.shorten(fall.index), Reached::Beyond);
         }
         self.corrections -= 1;
-        (self.done, self.missing) = (1 << index, S::INFINITY);
+        (self.done, self.missing) = (bit(index), S::INFINITY);
         self.approach(fall)
     }
 
@@ -154,8 +154,9 @@ impl<S: Scalar> Search<S> {
     pub(super) fn advance(&mut self, guard: &Guard<S>, extension: &Extension<S>) -> Next {
         let Guard { value, rate } = *guard;
         let missing = value / -rate;
-        self.left -= 1;
-        if rate < S::ZERO && extension.is_near(missing, self.ticks) || self.far - self.short <= 1 {
+        self.left = self.left.wrapping_sub(1);
+        let bracket = self.far.wrapping_sub(self.short);
+        if rate < S::ZERO && extension.is_near(missing, self.ticks) || bracket <= 1 {
             self.left = 0;
             return Next::Located;
         }
@@ -174,7 +175,7 @@ impl<S: Scalar> Search<S> {
         if rate < S::ZERO && there > self.short && there < self.far {
             return Next::Near(there.max(1));
         }
-        let half = (self.short + (self.far - self.short) / 2).max(1);
+        let half = self.short.wrapping_add(self.far.wrapping_sub(self.short) / 2).max(1);
         if value > S::ZERO { Next::Half(half) } else { Next::Near(half) }
     }
 
@@ -198,7 +199,7 @@ impl<S: Scalar> Search<S> {
                 return self.shorten(index);
             }
             self.corrections -= 1;
-            self.done &= !(1 << index);
+            self.done &= !bit(index);
             return Reached::Past;
         }
         if !self.falls && (!is_falling || there > self.most) {

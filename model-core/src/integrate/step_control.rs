@@ -293,7 +293,8 @@ impl<S: Scalar> Adaptive<S> {
             let rejected = if memory.rejections > 0 { memory.rejected_ticks } else { 0 };
             return Ok(rejected.max(ticks.saturating_mul(4)));
         }
-        let change = SAFETY_AFTER_REJECTION - relative.logarithm().checked_div(order).unwrap_or(0);
+        let change =
+            SAFETY_AFTER_REJECTION.wrapping_sub(relative.logarithm().checked_div(order).unwrap_or(0));
         memory.reject(ticks, relative.ratio, scaled(ticks, change.clamp(SMALLEST_CHANGE, LARGEST_CHANGE)));
         Err(memory)
     }
@@ -358,9 +359,9 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         } else {
             // No overflow: a logarithm is at most 2⁷ in units of 2⁻²³.
             let change = SAFETY
-                + change_with(errors.time_scale_ratio)
-                + (memory.previous >> 8) * (PREVIOUS_EXPONENT / errors.order)
-                - (present >> 8) * (PRESENT_EXPONENT / errors.order);
+                .wrapping_add(change_with(errors.time_scale_ratio))
+                .wrapping_add((memory.previous >> 8).wrapping_mul(PREVIOUS_EXPONENT / errors.order))
+                .wrapping_sub((present >> 8).wrapping_mul(PRESENT_EXPONENT / errors.order));
             // No growth after a rejection.
             let largest = if memory.rejections > 0 { 0 } else { LARGEST_CHANGE };
             scaled(errors.ticks, change.clamp(SMALLEST_CHANGE, largest))

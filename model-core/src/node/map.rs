@@ -57,8 +57,8 @@ pub struct MapNode<
     parameters: MapParameters<ACTIONS>,
     /// Samples in a burst without those of the start-up.
     samples: u32,
-    /// Time of a burst in s, rounded up.
-    duration: u32,
+    /// Time of a burst in s, rounded up, and [`GRACE`].
+    longest: u32,
     /// Variances: of the standing power in W², of the gain at most, and by how much that grows in a second; the least mean square of a change of
     /// the power in W² a second.
     of_standing: f32,
@@ -222,13 +222,14 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         }
         let mut bin = 0;
         while !map.has_frequency(bank.bin_frequency(bin)) {
-            bin += 1;
+            bin = bin.wrapping_add(1);
             if bin == LineBank::<M, P>::BINS {
                 return Err(NodeError::Band { band: bank.band() });
             }
         }
-        let samples = bank.block() as u32 * parameters.sensor.blocks;
-        let duration = ((samples + parameters.sensor.start_up) as f32 / parameters.sensor.rate) as u32 + 1;
+        let samples = (bank.block() as u32).saturating_mul(parameters.sensor.blocks);
+        let all = samples.saturating_add(parameters.sensor.start_up);
+        let longest = ((all as f32 / parameters.sensor.rate) as u32).saturating_add(1 + GRACE);
         let MapParameters { gain, gain_drift, voltage: VoltageParameters { largest_power, .. }, .. } =
             parameters;
         let (of_standing, drift) = (voltage.of_standing(), gain_drift * gain_drift * (1.0 / 3600.0));
@@ -240,7 +241,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
             bank,
             parameters,
             samples,
-            duration,
+            longest,
             of_standing,
             most_of_gain,
             drift,
@@ -399,7 +400,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
 
     /// What to do: what the voltage asks for, or a burst before it sleeps.
     fn with_burst(&self, state: &mut MapState<P, ACTIONS>, wake: Wake) -> Wake {
-        let is_idle = matches!(wake.task, Task::Sleep) && wake.again_in > self.duration + GRACE;
+        let is_idle = matches!(wake.task, Task::Sleep) && wake.again_in > self.longest;
         let is_affordable = self.voltage.affords(&state.voltage, self.parameters.bursts.energy);
         let is_due = is_idle && state.voltage.is_just_read() && is_affordable && self.is_burst_due(state);
         if is_due { self.begin(state) } else { wake }
@@ -412,7 +413,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         (state.since, state.is_asked) = (0, false);
         state.bursts = state.bursts.saturating_add(1);
         self.voltage.spend(&mut state.voltage, self.parameters.bursts.energy);
-        self.go_on(state, self.duration + GRACE)
+        self.go_on(state, self.longest)
     }
 
     /// Asks for the samples that are missing, for `left` s.
@@ -528,7 +529,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
     fn wake(&self, state: &mut MapState<P, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
         let seconds = now.saturating_sub(Self::second(state));
         if state.burst.missing > 0 {
-            let left = (self.duration + GRACE).saturating_sub(seconds);
+            let left = self.longest.saturating_sub(seconds);
             if now >= Self::second(state) && left > 0 {
                 return self.go_on(state, left);
             }
@@ -571,7 +572,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
             return Progress::Idle;
         }
         let skipped = (burst.start_up as usize).min(samples.len());
-        burst.start_up -= skipped as u32;
+        burst.start_up = burst.start_up.saturating_sub(skipped as u32);
         let valid = samples.get(skipped..).unwrap_or(&[]);
         let mut left = valid.get(..burst.missing as usize).unwrap_or(valid);
         let clipped = self.parameters.sensor.clipped;

@@ -450,7 +450,7 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
             next = reading;
         }
         let spare = self.spare(state);
-        for (index, action) in self.parameters.actions.iter().enumerate() {
+        for (index, action) in (0..ACTIONS).zip(&self.parameters.actions) {
             if !self.grants(spare, action) {
                 continue;
             }

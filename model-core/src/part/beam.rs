@@ -125,9 +125,9 @@ impl<S: Scalar> Cantilever<S> {
     /// the total and the kept modes cancels: with ten modes in `f32` it has an error of 10⁻³.
     pub(crate) fn residual_compliance(&self, place: S, modes: u32) -> S {
         let free = Self { tip_mass: S::ZERO, ..*self };
-        let last = modes + SUMMED;
+        let last = modes.saturating_add(SUMMED);
         let mut sum = S::ZERO;
-        for number in (modes + 1..=last).rev() {
+        for number in (modes.wrapping_add(1)..=last).rev() {
             let mode = free.mode(number);
             let ratio = mode.shape(place).value / mode.angular_frequency;
             sum += ratio * ratio;
@@ -257,7 +257,7 @@ fn fourth_series<S: Scalar>(x: S, order: u32, factor: S) -> S {
     let fourth = x * x * x * x * factor;
     let mut sum = term;
     for k in 0..SERIES_TERMS {
-        let n = S::from_u32(4 * k + order);
+        let n = S::from_u32(order.wrapping_add(4 * k));
         let next = [1, 2, 3, 4].map(|i| n + S::from_u32(i));
         term = term * fourth / (next[0] * next[1] * next[2] * next[3]);
         sum += term;

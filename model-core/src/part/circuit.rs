@@ -137,7 +137,7 @@ impl<S: Scalar> LinearCircuitStep<S> {
         // (−x)ᵐ/(m + 2)!
         let mut term = S::from_f64(0.5);
         for m in 0..LINEAR_SERIES_TERMS {
-            let [one, three, four] = [1, 3, 4].map(|more| S::from_u32(m + more));
+            let [one, three, four] = [m + 1, m + 3, m + 4].map(S::from_u32);
             rest += term;
             // 3 (−x)ᵐ/(m! (m + 2)(m + 3)) and −9 m (−x)ᵐ/((m + 1)! (m + 2)(m + 4)).
             lag += S::from_f64(3.0) * term * one / three;

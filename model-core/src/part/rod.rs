@@ -33,9 +33,9 @@ const SUMMED: u32 = 30;
 impl<S: Scalar> Rod<S> {
     /// Mode `number`, from 1, in order of frequency.
     pub(crate) fn mode(&self, number: u32) -> RodMode<S> {
-        let two = S::from_f64(2.0);
-        let number = number.max(1);
-        let quarter_turns = S::from_f64(core::f64::consts::FRAC_PI_2) * S::from_u32(2 * number - 1);
+        let (two, number) = (S::from_f64(2.0), number.max(1));
+        let odd = S::from_u32((number << 1).wrapping_sub(1));
+        let quarter_turns = S::from_f64(core::f64::consts::FRAC_PI_2) * odd;
         let mass = self.mass_per_length * self.length;
         let rate = (self.axial_stiffness / self.mass_per_length).sqrt() / self.length;
         let amplitude = (two / mass).sqrt();
@@ -56,9 +56,9 @@ impl<S: Scalar> Rod<S> {
             return compliance;
         }
         let mut sum = S::ZERO;
-        let last = modes + SUMMED;
-        for number in (modes + 1..=last).rev() {
-            let odd = S::from_u32(2 * number - 1);
+        let last = modes.saturating_add(SUMMED);
+        for number in (modes.wrapping_add(1)..=last).rev() {
+            let odd = S::from_u32((number << 1).wrapping_sub(1));
             sum += S::ONE / (odd * odd);
         }
         // Remaining modes by the Euler–Maclaurin formula at the midpoints: 1/4n − 1/48n³ + 7/960n⁵.

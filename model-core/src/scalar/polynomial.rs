@@ -93,12 +93,12 @@ fn exponential<S: Scalar, const N: usize>(
     let scaled = x * S::from_f64(core::f64::consts::LOG2_E);
     let half = S::from_f64(0.5);
     let magnitude = (scaled.abs() + half).to_u32().cast_signed();
-    let n = if scaled < S::ZERO { -magnitude } else { magnitude };
+    let n = if scaled < S::ZERO { magnitude.wrapping_neg() } else { magnitude };
     let count = S::from_i32(n);
     let r = (x - count * S::from_f64(ln_2[0])) - count * S::from_f64(ln_2[1]);
     // Two factors, both in the normal range.
     let lower = n / 2;
-    horner(coefficients, r) * S::power_of_two(lower) * S::power_of_two(n - lower)
+    horner(coefficients, r) * S::power_of_two(lower) * S::power_of_two(n.wrapping_sub(lower))
 }
 
 impl Mathematics<f32> for Polynomial {

@@ -120,7 +120,7 @@ impl ElapsedTime {
 
     #[inline]
     pub(super) fn add(&mut self, ticks: u32) {
-        self.ticks += u64::from(ticks);
+        self.ticks = self.ticks.wrapping_add(ticks.into());
         if self.ticks >= Self::MOST_TICKS {
             self.carry(0);
         }
@@ -129,7 +129,7 @@ impl ElapsedTime {
     /// Adds `count` intervals of `interval` ticks.
     pub(super) fn add_intervals(&mut self, count: u32, interval: u64) {
         let product = u128::from(count) * u128::from(interval);
-        self.ticks += product as u64 % TICKS_PER_SECOND;
+        self.ticks = self.ticks.wrapping_add(product as u64 % TICKS_PER_SECOND);
         self.carry(u32::try_from(product / u128::from(TICKS_PER_SECOND)).unwrap_or(u32::MAX));
     }
 

@@ -44,7 +44,7 @@ impl<S: Scalar, H: Harvester<S>> Estimator<S, H> {
         } else if state.missing > longest {
             state.add_unknown(state.missing);
             // The newest sample replaces its successor, so that the interval up to the newest sample can be integrated.
-            state.missing -= 1;
+            state.missing = state.missing.saturating_sub(1);
             state.phase = Phase::Lost;
             let newest = state.stream.newest_sample();
             self.feed(newest, false);

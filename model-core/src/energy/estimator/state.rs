@@ -45,7 +45,7 @@ impl<S: Scalar> Queue<S> {
         if self.left == 0 {
             return Some((self.target, self.saturated));
         }
-        let part = S::from_u32(self.length - self.left) / S::from_u32(self.length);
+        let part = S::from_u32(self.length.wrapping_sub(self.left)) / S::from_u32(self.length);
         // Finite if both ends are finite.
         Some(((S::ONE - part) * self.from + part * self.target, true))
     }

@@ -223,8 +223,8 @@ impl FoldedSpacing {
         let beside = distance.wrapping_add(self.first);
         let zeros = beside.leading_zeros();
         // The leading bit is 2¹⁶, so that the upper word counts the rows of an octave from `octave`.
-        let rows = (beside.wrapping_shl(zeros) >> 15) * self.octave;
-        (self.from.wrapping_sub(zeros * self.octave).wrapping_add(rows >> 16), rows >> 6 & 1023)
+        let rows = (beside.wrapping_shl(zeros) >> 15).wrapping_mul(self.octave);
+        (self.from.wrapping_sub(zeros.wrapping_mul(self.octave)).wrapping_add(rows >> 16), rows >> 6 & 1023)
     }
 }
 
@@ -243,8 +243,9 @@ pub fn row(distance: u32, Spacing { shift, bits }: Spacing) -> (u32, u32) {
 #[must_use]
 pub const fn row_distance(row: u32, Spacing { shift, bits }: Spacing) -> u32 {
     let (shift, bits) = (if shift < 30 { shift } else { 30 }, if bits < 15 { bits } else { 15 });
+    let within = row & ((1 << bits) - 1);
     match 1_u32.checked_shl((row >> bits).saturating_add(shift)) {
-        Some(start) => start + (row & ((1 << bits) - 1)) * (start >> bits) - (1 << shift),
+        Some(start) => within.wrapping_mul(start >> bits).wrapping_add(start).wrapping_sub(1 << shift),
         None => u32::MAX,
     }
 }

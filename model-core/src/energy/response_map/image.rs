@@ -223,12 +223,12 @@ pub(super) struct Head {
 impl Head {
     /// First word of the columns of the slices.
     pub(super) const fn columns_from(&self) -> usize {
-        HEAD + self.slices
+        self.slices.wrapping_add(HEAD)
     }
 
     /// First word of their bounds.
     pub(super) const fn parts_from(&self) -> usize {
-        self.columns_from() + self.slices * COLUMNS * COLUMN_WORDS
+        self.slices.wrapping_mul(1 + COLUMNS * COLUMN_WORDS).wrapping_add(HEAD)
     }
 
     /// Reads and checks a map.
@@ -274,6 +274,7 @@ impl Head {
             (words.word(5), self.rows, self.spacings);
         let has_lower = if flags & LOWER == 0 { lower == 0 } else { lower >= 2 };
         let has_upper = if flags & UPPER == 0 { upper == 0 } else { upper >= 2 };
+        let tail = self.slices.wrapping_mul(SLICE_BOUNDS).wrapping_add(self.parts_from());
         let mut conditions: &[(usize, bool)] = &[
             (5, flags & (LOWER | UPPER) != 0),
             (6, words.word(6) as usize == COLUMNS),
@@ -283,15 +284,15 @@ impl Head {
             (11, 1 <= self.slope && self.slope <= 1 << 13),
             (13, self.span > 0),
             (14, has_lower),
-            (15, has_upper && lower + upper == ROWS as u32),
+            (15, has_upper && lower.wrapping_add(upper) == ROWS as u32),
             (16, lower_spacing.is_stored()),
             (17, upper_spacing.is_stored()),
             // Smaller numbers have no level of their own.
             (18, self.lowest > 0),
             (19, self.lowest < self.highest),
-            (20, upper > 0 || self.highest + self.margin < NOWHERE as i32),
+            (20, upper > 0 || self.highest.wrapping_add(self.margin) < NOWHERE as i32),
             (21, -80 <= self.value_octaves && self.value_octaves <= 60),
-            (2, self.parts_from() + self.slices * SLICE_BOUNDS + TAIL == words.word(2) as usize),
+            (2, tail.wrapping_add(TAIL) == words.word(2) as usize),
         ];
         while let [(word, holds), rest @ ..] = conditions {
             if !*holds {
@@ -304,15 +305,15 @@ impl Head {
         let (mut word, end) = (self.columns_from(), self.parts_from());
         while word < end {
             let (rising, falling) = (words.word(word) as i32, words.word(word + 1) as i32);
-            if rising - self.lowest >= lower_reach {
+            if rising.wrapping_sub(self.lowest) >= lower_reach {
                 return Some(word);
             }
-            if (upper == 0 && falling != NOWHERE as i32) || self.highest - falling >= upper_reach {
+            if upper == 0 && falling != NOWHERE as i32 || self.highest.wrapping_sub(falling) >= upper_reach {
                 return Some(word + 1);
             }
-            word += COLUMN_WORDS;
+            word = word.wrapping_add(COLUMN_WORDS);
         }
-        while word < end + self.slices * SLICE_BOUNDS {
+        while word < tail {
             let (low, high) = (words.word(word), words.word(word + 1));
             if low != 0 && !(factor(0.25) <= low && low <= factor(1.0)) {
                 return Some(word);
@@ -320,7 +321,7 @@ impl Head {
             if !(factor(1.0) <= high && high <= factor(4.0)) {
                 return Some(word + 1);
             }
-            word += 2;
+            word = word.wrapping_add(2);
         }
         None
     }
@@ -328,7 +329,7 @@ impl Head {
 
 /// A number of two words, the low one first.
 const fn wide(words: Stored<'_>, index: usize) -> u32 {
-    words.word(index) as u32 | (words.word(index + 1) as u32) << 16
+    words.word(index) as u32 | (words.word(index.wrapping_add(1)) as u32) << 16
 }
 
 /// The word of a factor that has no more than eight significant bits.

@@ -44,7 +44,7 @@ struct Edges {
 impl Edges {
     /// The numbers of an axis from `lowest` to `highest`; `None` if there are none.
     const fn of(axis: Axis<'_>, lowest: i32, highest: i32) -> Option<Self> {
-        let (least, beyond) = (axis.first(lowest), axis.first(highest + 1));
+        let (least, beyond) = (axis.first(lowest), axis.first(highest.wrapping_add(1)));
         if beyond > least { Some(Self { least, span: beyond - least - 1 }) } else { None }
     }
 
@@ -70,10 +70,10 @@ impl Axis<'_> {
         match fixed(f32::from_bits(bits), head.frequency_shift) {
             None => i32::MAX,
             Some(0) => i32::MIN,
-            Some(units) => match units.cast_signed() - head.resonance {
+            Some(units) => match units.cast_signed().wrapping_sub(head.resonance) {
                 distance if distance > nearest => i32::MAX,
                 distance if distance < -nearest => i32::MIN,
-                distance => detuning_within(distance, head.slope) - head.first,
+                distance => detuning_within(distance, head.slope).wrapping_sub(head.first),
             },
         }
     }
@@ -83,7 +83,7 @@ impl Axis<'_> {
         let (mut low, mut high) = (f32::MIN_POSITIVE.to_bits(), f32::INFINITY.to_bits());
         while low < high {
             let middle = low.midpoint(high);
-            if self.place(middle) >= place { high = middle } else { low = middle + 1 }
+            if self.place(middle) >= place { high = middle } else { low = middle.wrapping_add(1) }
         }
         low
     }
@@ -102,7 +102,8 @@ impl Side {
     const fn new(first: u32, rows: u32, spacing: Spacing) -> Self {
         // A branch without values has its rows behind the column.
         let first = if rows == 0 { COLUMN_WORDS as u32 } else { first };
-        Self { spacing: spacing.folded(first), far: first + (NEAR << (spacing.bits - 1)) }
+        let near = (NEAR / 2).wrapping_shl(spacing.bits);
+        Self { spacing: spacing.folded(first), far: first.wrapping_add(near) }
     }
 }
 
@@ -145,16 +146,16 @@ impl Plan {
         Some(Self {
             amplitudes,
             frequencies,
-            right: (158 - head.frequency_shift).cast_unsigned(),
+            right: 158_i32.wrapping_sub(head.frequency_shift).cast_unsigned(),
             resonance: head.resonance,
             slope: head.slope,
             factor,
-            middle: (-head.first).cast_unsigned().wrapping_mul(factor),
+            middle: head.first.wrapping_neg().cast_unsigned().wrapping_mul(factor),
             margin: head.margin,
-            raised: head.value_octaves * LEVELS_PER_OCTAVE + RAISED,
+            raised: head.value_octaves.wrapping_mul(LEVELS_PER_OCTAVE).wrapping_add(RAISED),
             // The boundaries are before the rows.
             lower: Side::new(2, lower_rows, lower),
-            upper: Side::new(2 + lower_rows, upper_rows, upper),
+            upper: Side::new(lower_rows.wrapping_add(2), upper_rows, upper),
             // A map has less than 2¹⁶ words.
             starts: [head.columns_from() as u16, head.parts_from() as u16],
             slices: head.slices as u16,
@@ -201,9 +202,8 @@ impl Plan {
 
     /// First word of the columns of a slice, and of its bounds.
     pub(super) fn slice(&self, slice: u16) -> [usize; 2] {
-        let [columns, bounds] = self.starts.map(usize::from);
-        let slice = usize::from(slice);
-        [columns + slice * COLUMNS * COLUMN_WORDS, bounds + slice * SLICE_BOUNDS]
+        let ([columns, bounds], slice) = (self.starts, usize::from(slice));
+        [usize::from(columns) + slice * COLUMNS * COLUMN_WORDS, usize::from(bounds) + slice * SLICE_BOUNDS]
     }
 
     /// The output power of a branch between two columns, at a distance in levels from its boundary, beyond it that at the boundary;
@@ -224,10 +224,10 @@ impl Plan {
             return None;
         }
         let along = |column: &[T; COLUMN_WORDS]| {
-            let [low, high] = [row, row + 1].map(|row| column.get(row).map_or(0, number));
+            let [low, high] = [row, row.wrapping_add(1)].map(|row| column.get(row).map_or(0, number));
             between(low, high, above.cast_signed())
         };
-        let level = between(along(left), along(right), place.right()) + self.raised;
+        let level = between(along(left), along(right), place.right()).wrapping_add(self.raised);
         let value = f32::from_bits(bits_of_raised(level));
         let [low, high] = if row < side.far as usize { near } else { far };
         Some(Bounded { value, low: product(value, *low), high: product(value, *high) })
@@ -264,7 +264,7 @@ fn number<T: Word>(word: &T) -> i32 {
 /// A part of the way in 2⁻¹⁰ from one number to another, rounded down.
 #[inline]
 fn between(from: i32, to: i32, part: i32) -> i32 {
-    from + (((to - from) * part) >> 10)
+    from.wrapping_add(to.wrapping_sub(from).wrapping_mul(part) >> 10)
 }
 
 /// The product of a value of at most sixteen significant bits and the factor of a bound, of at most eight and 0 or from 1/4 to 4: exact, so that

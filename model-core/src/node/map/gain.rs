@@ -38,7 +38,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         }
         let (departure, both) = (ratio - state.gain, state.of_gain + of_ratio);
         if departure * departure > CONTRADICTS * CONTRADICTS * both {
-            state.contradictions += 1;
+            state.contradictions = state.contradictions.wrapping_add(1);
             if state.contradictions < CONTRADICTIONS {
                 return;
             }

@@ -100,7 +100,7 @@ impl LearntCapacitance {
             return false;
         }
         if departure * departure > GATE * GATE * (known + once + alike) {
-            self.contradictions += 1;
+            self.contradictions = self.contradictions.wrapping_add(1);
             if self.contradictions < CONTRADICTIONS {
                 return false;
             }

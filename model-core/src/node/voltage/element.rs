@@ -39,7 +39,7 @@ impl Element for CapacitorElement {
 
     #[inline]
     fn energy(&self, code: u32) -> f32 {
-        self.per_code * real(code * code)
+        self.per_code * real(code.wrapping_mul(code))
     }
 
     /// The constant is four times the energy over the square of the code.

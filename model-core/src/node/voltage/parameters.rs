@@ -153,7 +153,7 @@ impl<const ACTIONS: usize> VoltageParameters<ACTIONS> {
 
     /// Voltage of a code in V.
     pub(super) const fn cell(&self) -> f32 {
-        self.converter.full_scale / (1_u32 << self.converter.bits) as f32
+        self.converter.full_scale / 1_u32.wrapping_shl(self.converter.bits) as f32
     }
 
     /// Variances in V² of a reading, and of the part of its error that lasts from reading to reading.
@@ -184,7 +184,7 @@ impl<const ACTIONS: usize> VoltageParameters<ACTIONS> {
         let of_drops = capacitance / 16.0;
         VoltageNode {
             element,
-            full_code: (1_u32 << converter.bits) - 1,
+            full_code: 1_u32.wrapping_shl(converter.bits).wrapping_sub(1),
             noise: of_variance * (noise + of_drop),
             lasting: of_variance * (lasting + of_drop),
             full,

@@ -99,14 +99,14 @@ impl<S: Scalar> Checks<S> {
     pub(super) fn add(&mut self, check: &Check<S>) {
         if self.count >= MOST {
             let half = S::from_f64(0.5);
-            (self.count, self.diverging) = (self.count / 2, self.diverging / 2);
-            self.periods /= 2;
+            (self.count, self.diverging, self.periods) =
+                (self.count / 2, self.diverging / 2, self.periods / 2);
             (self.energy, self.change) = (half * self.energy, half * self.change);
             self.squares = half * self.squares;
         }
-        self.count += 1;
-        self.periods += check.periods;
-        self.diverging += u32::from(check.diverges);
+        self.count = self.count.wrapping_add(1);
+        self.periods = self.periods.wrapping_add(check.periods);
+        self.diverging = self.diverging.wrapping_add(check.diverges.into());
         self.energy += check.energy.abs();
         self.change += check.change;
         self.squares += check.change * check.change;

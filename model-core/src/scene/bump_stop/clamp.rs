@@ -92,7 +92,7 @@ impl<S: Scalar, C> Parameters<S, C> {
         let (length, rigidity) = (self.beam_length, section.bending_stiffness);
         let cantilever = self.cantilever(&section);
         let mut modes = [S::ZERO; B];
-        for (number, mode) in (1..).zip(modes.iter_mut().take(beam)) {
+        for (number, mode) in (1..=B as u32).zip(modes.iter_mut().take(beam)) {
             *mode = tip_mass.mode(&cantilever, number).shape(S::ZERO).curvature / (length * length);
         }
         let place = stop.stop().map_or(S::ZERO, |stop| stop.position);

@@ -211,7 +211,7 @@ fn beam_coefficients<S: Scalar, M: TipMassChoice<S>, const B: usize>(
         voltage: S::ZERO,
     };
     let mut coefficients = [zero; B];
-    for (number, coefficient) in (1..).zip(&mut coefficients) {
+    for (number, coefficient) in (1..=B as u32).zip(&mut coefficients) {
         let mode = tip_mass.mode(beam, number.min(count));
         let tip = mode.shape(S::ONE);
         let taken = if number <= count { S::ONE } else { S::ZERO };
@@ -232,7 +232,7 @@ fn rod_coefficients<S: Scalar, const R: usize>(rod: Option<&Rod<S>>, count: u32)
     let absent = RodCoefficients { angular_frequency: S::ONE, base: S::ZERO, contact: S::ZERO };
     let mut coefficients = [absent; R];
     let Some(rod) = rod else { return coefficients };
-    for (number, coefficient) in (1..).zip(&mut coefficients) {
+    for (number, coefficient) in (1..=R as u32).zip(&mut coefficients) {
         let mode = rod.mode(number.min(count));
         let taken = if number <= count { S::ONE } else { S::ZERO };
         *coefficient = RodCoefficients {

@@ -323,7 +323,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     #[inline(never)]
     fn end_period(&self, state: &mut StepDoublingStateOf<S, P, B, R>) {
         let scene = self.stepper.scene();
-        state.periods += 1;
+        state.periods = state.periods.wrapping_add(1);
         state.next = later(state.next, self.period);
         let stored = scene.stored_energy(&state.run).total();
         let distance = scene.energy_between(&state.run, &state.finer);

@@ -165,7 +165,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         let budget = budget.max(LEAST_BUDGET);
         let (mut trial, mut level) = (Trial::none(), 0);
         while pair.now.clock < until {
-            let spent = work.steps + work.rejected + work.locating;
+            let spent = work.steps.wrapping_add(work.rejected).wrapping_add(work.locating);
             if spent > 0 && budget.saturating_sub(spent) < LEAST_BUDGET {
                 return Ok(Advance { ended: Ended::BudgetSpent, work });
             }
@@ -287,7 +287,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             self.take(pair, &trial, (set.ticks, set.step), observer, work)?;
             return Ok(true);
         }
-        work.rejected += 1;
+        work.rejected = work.rejected.wrapping_add(1);
         Ok(false)
     }
 
@@ -400,7 +400,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
                 state.drift = S::ZERO;
             }
         }
-        work.steps += 1;
+        work.steps = work.steps.wrapping_add(1);
         Ok(())
     }
 

@@ -64,7 +64,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
 impl<M> Mode<M> {
     /// Number of the mode in outputs: that of the harvester, plus 16 times the regime, plus 64 for a connected draw.
     pub(super) fn number(&self, inner: u8) -> u8 {
-        inner + 16 * self.regime as u8 + 64 * u8::from(self.connected)
+        inner.wrapping_add(16 * self.regime as u8 + 64 * u8::from(self.connected))
     }
 }
 
