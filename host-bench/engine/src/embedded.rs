@@ -79,29 +79,23 @@ fn run_as<S: Scalar, M: Mathematics<S>>(scene: &Scene, options: &Options) -> Res
 
 /// The periodic steady state of a scene under one sine, by shooting; the scene's own run where it has no stable orbit of one period.
 pub fn steady_state(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
-    match options.math {
-        Some(Math::Libm) => steady_state_as::<Libm>(scene, options),
-        _ => steady_state_as::<Polynomial>(scene, options),
-    }
-}
-
-fn steady_state_as<M: Mathematics<f64>>(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
-    with_setting::<f64, M, _>(scene, options, shooting::steady_state::<M>)
+    Ok(steady_state_from(scene, options, None)?.0)
 }
 
 /// As [`steady_state`], from a remembered motion of the same harvester under another sine or with other parameters; and the
 /// motion that was reached.
 ///
 /// The orbit that continues the remembered one is taken where it is stable. Otherwise the motion goes on from the
-/// remembered one; without one it goes from the start. With `only` the result is then `None`.
+/// remembered one; without one it goes from the start.
 pub fn steady_state_from(
     scene: &Scene,
     options: &Options,
     memory: Option<&Memory>,
-    only: bool,
-) -> Result<Option<(Outcome, Memory)>, Failure> {
-    let from = shooting::resume::<Polynomial>;
-    with_setting::<f64, Polynomial, _>(scene, options, |setting| from(setting, memory, only))
+) -> Result<(Outcome, Memory), Failure> {
+    match options.math {
+        Some(Math::Libm) => shooting::resume::<Libm>(scene, options, memory),
+        _ => shooting::resume::<Polynomial>(scene, options, memory),
+    }
 }
 
 /// The refusal of a bump-stop scene where only a triboelectric scene will do.

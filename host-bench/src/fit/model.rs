@@ -336,8 +336,7 @@ pub(super) fn steady(
         return Ok((embedded::run(scene, options)?, None));
     }
     let options = Options { steady_state: true, ..*options };
-    let found = embedded::steady_state_from(scene, &options, memory, false)?;
-    let (outcome, motion) = found.ok_or_else(|| Failure::Step("no steady state".to_owned()))?;
+    let (outcome, motion) = embedded::steady_state_from(scene, &options, memory)?;
     Ok((outcome, Some(motion)))
 }
 

@@ -27,15 +27,14 @@ use harvester_scene::scene_file::{Excitation, Load, RunSpan, Scene};
 
 /// One kind of scene, with the orbit that it has found last.
 trait Kind {
-    /// The outcome of one period of the stable orbit that continues a remembered one. Where there is none: `None` if `only`
-    /// that is wanted, or else that of the stable orbit to which the motion goes from the remembered one, without one from the
-    /// scene's start; of the whole run where there is none.
+    /// The outcome of one period of the stable orbit that continues a remembered one. Where there is none: that of the stable
+    /// orbit to which the motion goes from the remembered one, without one from the scene's start; of the whole run where there
+    /// is none.
     fn resume(
         &self,
         setting: Setting<'_, f64>,
         memory: Option<&Memory>,
-        only: bool,
-    ) -> Result<Option<(Outcome, Memory)>, Failure>;
+    ) -> Result<(Outcome, Memory), Failure>;
 
     /// The response of the stable orbit that continues the last one, or else of the one from the scene's start.
     fn follow(&mut self, setting: Setting<'_, f64>, spent: &mut Spent) -> Result<Option<Response>, Failure>;
@@ -51,19 +50,13 @@ fn kind<'a, M: Mathematics<f64> + 'a>(scene: &'a Scene) -> Box<dyn Kind + 'a> {
         bump_stop(model) => beam(scene, model))
 }
 
-/// The steady state of a scene by shooting; the scene's own run where it has no stable orbit of one period.
-pub(super) fn steady_state<M: Mathematics<f64>>(setting: Setting<'_, f64>) -> Result<Outcome, Failure> {
-    let found = resume::<M>(setting, None, false)?;
-    Ok(found.unwrap_or_else(|| unreachable!("it is not asked for a continued orbit only")).0)
-}
-
 /// [`Kind::resume`] of a scene.
 pub(super) fn resume<M: Mathematics<f64>>(
-    setting: Setting<'_, f64>,
+    scene: &Scene,
+    options: &Options,
     memory: Option<&Memory>,
-    only: bool,
-) -> Result<Option<(Outcome, Memory)>, Failure> {
-    kind::<M>(setting.scene).resume(setting, memory, only)
+) -> Result<(Outcome, Memory), Failure> {
+    with_setting::<f64, M, _>(scene, options, |setting| kind::<M>(setting.scene).resume(setting, memory))
 }
 
 /// The peaks over the frequencies of a search, and the simulated periods that they took; calls `done` after each frequency.
@@ -176,8 +169,7 @@ fn remembered<H, R>(
     start: H::State,
     typical: &[f64],
     memory: Option<&Memory>,
-    only: bool,
-) -> Result<Option<(Outcome, Memory)>, Failure>
+) -> Result<(Outcome, Memory), Failure>
 where
     H: Coordinates,
     H::State: Send + Sync + 'static,
@@ -195,10 +187,7 @@ where
     if let Some(orbit) = continued {
         let verdict = Verdict::StablePeriodOne(orbit.clone());
         let (outcome, _) = described(run, start, &verdict, &spent)?;
-        return Ok(Some((outcome, keep(Known::Orbit(orbit)))));
-    }
-    if only {
-        return Ok(None);
+        return Ok((outcome, keep(Known::Orbit(orbit))));
     }
     let from = match known {
         Some(Known::Orbit(orbit)) => forced.resumed(&orbit.start, orbit.phase()),
@@ -206,7 +195,7 @@ where
         None => None,
     };
     let (outcome, motion) = reached(run, from.unwrap_or(start), typical)?;
-    Ok(Some((outcome, keep(motion))))
+    Ok((outcome, keep(motion)))
 }
 
 /// The outcome of a verdict: of one period of its orbit, or of the run from `start`; and the state at its end.

@@ -116,10 +116,9 @@ impl<L: Circuit<f64, State: Send + Sync> + 'static, const B: usize, const R: usi
         &self,
         setting: Setting<'_, f64>,
         memory: Option<&Memory>,
-        only: bool,
-    ) -> Result<Option<(Outcome, Memory)>, Failure> {
+    ) -> Result<(Outcome, Memory), Failure> {
         let (stepper, state, typical) = self.begun(&setting)?;
-        remembered(&run(&stepper, self.model, setting), state, &typical, memory, only)
+        remembered(&run(&stepper, self.model, setting), state, &typical, memory)
     }
 
     fn follow(&mut self, setting: Setting<'_, f64>, spent: &mut Spent) -> Result<Option<Response>, Failure> {

@@ -84,13 +84,12 @@ where
         &self,
         setting: Setting<'_, f64>,
         memory: Option<&Memory>,
-        only: bool,
-    ) -> Result<Option<(Outcome, Memory)>, Failure> {
+    ) -> Result<(Outcome, Memory), Failure> {
         let prepared = (self.prepare)(setting, self.model)?;
         let typical = (self.typical)(self.model, &prepared.core);
         by_method!(prepared, |simulation| {
             let state = prepared.start(&simulation, &self.model.start())?;
-            remembered(&prepared.run(&simulation), state, &typical, memory, only)
+            remembered(&prepared.run(&simulation), state, &typical, memory)
         })
     }
 
