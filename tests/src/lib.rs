@@ -4,7 +4,7 @@ use host_bench::method::{Method, Options, Precision};
 use host_bench::outcome::{BumpStopOutcome, ContactSeparationOutcome, Outcome, SlidingOutcome};
 use host_bench::run::run_scene;
 use host_bench::scene_file::{
-    self, ContactSeparation, Excitation, Load, RunSpan, Scene, Sliding, SlidingParameters, Tone,
+    self, ContactSeparation, Excitation, Load, RunSpan, Scene, Sliding, SlidingParameters, Tone, Trace,
 };
 
 pub use model_core::part::GRAVITY;
@@ -62,6 +62,14 @@ pub fn periods(frequency_hz: f64, periods: u32, measured: u32) -> RunSpan {
         duration_s: f64::from(periods) / frequency_hz,
         settle_s: f64::from(periods - measured) / frequency_hz,
     }
+}
+
+/// A repeated trace without any symmetry, of this amplitude in m/s².
+#[must_use]
+pub fn rough(amplitude: f64) -> Excitation {
+    let samples = (0..60).map(|index: i32| amplitude * (f64::from((index * 7919) % 61) / 30.0 - 1.0));
+    let trace = Trace { samples_m_per_s2: samples.collect(), rate_hz: 400.0, repeat: true, resampled: None };
+    Excitation::File(trace)
 }
 
 /// Options for the core with error control, in double precision.

@@ -1,16 +1,14 @@
 //! Exponential Radau beside the independent reference: every load, force law, excitation and stick of the
 //! contact-separation scene. Sliding scenes are in `sliding_agreement`, bridges in `rectified`.
 
-use std::sync::Arc;
-
 use cross_crate_tests::{
-    adaptive, contact_separation, on_all_cores, periods, reference, relative_difference, resistor, run,
-    shown, sine, single, value,
+    adaptive, contact_separation, on_all_cores, periods, reference, relative_difference, resistor, rough,
+    run, shown, sine, single, value,
 };
 use host_bench::method::{Method, Options};
 use host_bench::outcome::{ContactSeparationOutcome, Outcome};
 use host_bench::scene_file::{
-    ContactSeparation, Excitation, ForceLaw, Restitution, RunSpan, Scene, StickCharge, Tone, Trace,
+    ContactSeparation, Excitation, ForceLaw, Restitution, RunSpan, Scene, StickCharge, Tone,
 };
 
 fn by_the_method(options: Options) -> Options {
@@ -70,14 +68,7 @@ const SCENES: [(&str, Change); 17] = [
         scene.run = RunSpan { duration_s: 1.5, settle_s: 0.3 };
     }),
     ("a rough trace", |scene, _| {
-        let samples: Arc<[f64]> =
-            (0..60).map(|index: i32| 8.0 * (f64::from((index * 7919) % 61) / 30.0 - 1.0)).collect();
-        scene.excitation = Excitation::File(Trace {
-            samples_m_per_s2: samples,
-            rate_hz: 400.0,
-            repeat: true,
-            resampled: None,
-        });
+        scene.excitation = rough(8.0);
         scene.run = RunSpan { duration_s: 1.5, settle_s: 0.3 };
     }),
     ("let go near the dielectric", |scene, model| {

@@ -7,8 +7,8 @@
 use std::sync::Arc;
 
 use cross_crate_tests::{
-    GRAVITY, adaptive, assert_close, on_all_cores, periods, reference, relative_difference, resistor, rub,
-    shown, sine, single, slide, sliding, value,
+    GRAVITY, adaptive, assert_close, on_all_cores, periods, reference, relative_difference, resistor, rough,
+    rub, shown, sine, single, slide, sliding, value,
 };
 use host_bench::method::{Method, Options};
 use host_bench::outcome::{Outcome, SlidingOutcome};
@@ -23,13 +23,6 @@ fn sweep() -> Excitation {
         })
         .collect();
     Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: 500.0, repeat: false, resampled: None })
-}
-
-/// A repeated trace without any symmetry.
-fn rough() -> Excitation {
-    let samples: Arc<[f64]> =
-        (0..60).map(|index: i32| 6.0 * (f64::from((index * 7919) % 61) / 30.0 - 1.0)).collect();
-    Excitation::File(Trace { samples_m_per_s2: samples, rate_hz: 400.0, repeat: true, resampled: None })
 }
 
 fn tone(amplitude_m_per_s2: f64, frequency_hz: f64, phase_rad: f64) -> Tone {
@@ -87,7 +80,7 @@ const SCENES: [(&str, Change); 15] = [
         scene.run = RunSpan { duration_s: 2.0, settle_s: 0.5 };
     }),
     ("a rough trace", |scene, _| {
-        scene.excitation = rough();
+        scene.excitation = rough(6.0);
         scene.run = RunSpan { duration_s: 1.5, settle_s: 0.3 };
     }),
     ("a sweep", |scene, model| {

@@ -103,6 +103,17 @@ fn found() -> Vec<Case> {
     ]
 }
 
+/// Judged with few attempted steps.
+fn effort(by_reference: bool) -> Effort {
+    Effort { most_attempts: MOST_ATTEMPTS, by_reference, chaotic_pairs: 16 }
+}
+
+/// The findings on cases drawn from a seed, judged by the reference with more steps.
+fn drawn(seed: u64, numbers: &[u64]) -> Vec<Finding> {
+    let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, ..effort(true) };
+    none_fails(&numbers.iter().map(|&number| (draw(seed, number), effort)).collect::<Vec<_>>())
+}
+
 fn none_fails(cases: &[(Case, Effort)]) -> Vec<Finding> {
     let findings = on_all_cores(cases, |(case, effort)| judge(case, *effort));
     let failures: Vec<String> = cases
@@ -123,9 +134,8 @@ fn case(scene: &'static str, changes: &str, precision: Precision) -> Case {
 #[test]
 fn a_slice_of_the_grids_is_right_or_warns() {
     let kinds = [Kind::ContactSeparation, Kind::Sliding, Kind::BumpStop];
-    let effort = Effort { most_attempts: MOST_ATTEMPTS, by_reference: false, chaotic_pairs: 16 };
     let all = kinds.into_iter().flat_map(|kind| grid(kind, Extent::Coarse));
-    let cases: Vec<(Case, Effort)> = all.step_by(OF_GRID).map(|case| (case, effort)).collect();
+    let cases: Vec<(Case, Effort)> = all.step_by(OF_GRID).map(|case| (case, effort(false))).collect();
     let findings = none_fails(&cases);
     let right = findings.iter().filter(|finding| finding.class == Class::Right).count();
     assert!(2 * right > findings.len(), "{right} of {}", findings.len());
@@ -133,13 +143,8 @@ fn a_slice_of_the_grids_is_right_or_warns() {
 
 #[test]
 fn random_scenes_are_right_or_warn() {
-    let effort = |number: u64| Effort {
-        most_attempts: MOST_ATTEMPTS,
-        by_reference: number.is_multiple_of(4),
-        chaotic_pairs: 16,
-    };
-    let cases: Vec<(Case, Effort)> = (0..COUNT).map(|number| (draw(SEED, number), effort(number))).collect();
-    let findings = none_fails(&cases);
+    let case = |number: u64| (draw(SEED, number), effort(number.is_multiple_of(4)));
+    let findings = none_fails(&(0..COUNT).map(case).collect::<Vec<_>>());
     let count = |is: fn(&Finding) -> bool| findings.iter().filter(|finding| is(finding)).count();
     // Most cases were judged, and most of their numbers are useful.
     let counts = [
@@ -153,9 +158,7 @@ fn random_scenes_are_right_or_warn() {
 
 #[test]
 fn scenes_that_were_found_wrong_are_right_or_warn() {
-    let effort = Effort { most_attempts: MOST_ATTEMPTS, by_reference: true, chaotic_pairs: 16 };
-    let cases: Vec<(Case, Effort)> = found().into_iter().map(|case| (case, effort)).collect();
-    let findings = none_fails(&cases);
+    let findings = none_fails(&found().into_iter().map(|case| (case, effort(true))).collect::<Vec<_>>());
     assert!(findings.iter().all(|finding| finding.by_reference || finding.is_chaotic), "{findings:?}");
 }
 
@@ -175,9 +178,7 @@ const FOUND: [u64; 4] = [19_158, 3408, 10_165, 9824];
 
 #[test]
 fn events_within_a_step_are_right_and_powers_below_rounding_are_warned() {
-    let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true, chaotic_pairs: 16 };
-    let cases: Vec<(Case, Effort)> = FOUND.iter().map(|&number| (draw(13, number), effort)).collect();
-    let findings = none_fails(&cases);
+    let findings = drawn(13, &FOUND);
     let (events, powers) = findings.split_at(2);
     assert!(events.iter().all(|finding| finding.class == Class::Right), "{findings:?}");
     assert!(powers.iter().all(|finding| finding.is_warned && finding.stated.is_none()), "{findings:?}");
@@ -189,9 +190,7 @@ const LUCKY: u64 = 9834;
 
 #[test]
 fn errors_that_the_next_smaller_step_shares_are_within_the_statement() {
-    let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true, chaotic_pairs: 16 };
-    let findings = none_fails(&[(draw(13, LUCKY), effort)]);
-    for finding in &findings {
+    for finding in drawn(13, &[LUCKY]) {
         let (error, stated) = (finding.error.expect("an error"), finding.stated.expect("a statement"));
         assert!(finding.is_warned && error <= stated, "{finding:?}");
     }
@@ -202,15 +201,14 @@ const BOUNCING: u64 = 8656;
 
 #[test]
 fn steps_that_agree_by_chance_at_a_rigid_stop_are_warned() {
-    let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true, chaotic_pairs: 16 };
-    let findings = none_fails(&[(draw(13, BOUNCING), effort)]);
+    let findings = drawn(13, &[BOUNCING]);
     assert!(findings.iter().all(|finding| finding.is_warned), "{findings:?}");
 }
 
 /// A case of seed 407: a chaotic motion behind a bridge that does not conduct.
 #[test]
 fn a_chaotic_motion_that_delivers_no_power_is_warned() {
-    let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: false, chaotic_pairs: 16 };
+    let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, ..effort(false) };
     let findings = none_fails(&[(draw_varied(407, 151), effort)]);
     for finding in &findings {
         assert_eq!(
@@ -229,9 +227,7 @@ const CHARGED: [u64; 9] = [2690, 3962, 4370, 4798, 5434, 13_982, 14_476, 15_764,
 
 #[test]
 fn what_a_start_charge_leaves_is_right_or_warned() {
-    let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true, chaotic_pairs: 16 };
-    let cases: Vec<(Case, Effort)> = CHARGED.iter().map(|&number| (draw(27, number), effort)).collect();
-    let findings = none_fails(&cases);
+    let findings = drawn(27, &CHARGED);
     assert!(
         findings.iter().all(|finding| matches!(finding.class, Class::Right | Class::Warned)),
         "{findings:?}"
@@ -240,8 +236,5 @@ fn what_a_start_charge_leaves_is_right_or_warned() {
 
 #[test]
 fn a_reference_that_does_not_repeat_itself_does_not_judge() {
-    let effort = Effort { most_attempts: 5 * MOST_ATTEMPTS, by_reference: true, chaotic_pairs: 16 };
-    let cases: Vec<(Case, Effort)> =
-        REFERENCE_IS_OFF.iter().map(|&number| (draw(13, number), effort)).collect();
-    none_fails(&cases);
+    drawn(13, &REFERENCE_IS_OFF);
 }
