@@ -1,4 +1,4 @@
-//! One simulated second of the shipped contact-separation scene, from 1 s to 2 s: 20 impacts or so; the reference from rest.
+//! One simulated second of the shipped contact-separation scene by exponential Radau, from 1 s to 2 s: 20 impacts or so; the reference from rest.
 
 use std::hint::black_box;
 

@@ -6,7 +6,7 @@ use model_core::clock::Instant;
 use model_core::energy::PowerMeter;
 use model_core::excitation::Sine;
 use model_core::hybrid::{Driver, HybridState};
-use model_core::integrate::{Adaptive, TrBdf2};
+use model_core::integrate::{Adaptive, ExponentialRadau};
 use model_core::part::load::Resistor;
 use model_core::part::parasitic::ParasiticCapacitance;
 use model_core::part::restitution::{AnyRestitution, VelocityDependentRestitution};
@@ -57,12 +57,12 @@ pub fn excitation<S: Scalar, M: Mathematics<S>>() -> Sine<S, M> {
 pub struct Runner<S: Scalar, M, P: Parts<S>> {
     pub scene: ContactSeparation<S, P>,
     pub excitation: Sine<S, M>,
-    driver: Driver<TrBdf2, Adaptive<S>>,
+    driver: Driver<ExponentialRadau, Adaptive<S>>,
 }
 
 impl<S: Scalar, M: Mathematics<S>, P: Parts<S>> Runner<S, M, P> {
     pub fn new(scene: ContactSeparation<S, P>, tolerance: f64) -> Self {
-        let driver = Driver::new(TrBdf2, Adaptive::new(S::from_f64(tolerance)).expect("in bounds"));
+        let driver = Driver::new(ExponentialRadau, Adaptive::new(S::from_f64(tolerance)).expect("in bounds"));
         Self { scene, excitation: excitation(), driver }
     }
 
