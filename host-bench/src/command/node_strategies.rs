@@ -34,7 +34,7 @@ pub struct NodeStrategiesArguments {
     /// and a resistor
     #[arg(value_name = "SCENE")]
     scene: Option<String>,
-    /// What shakes the harvester; may be repeated [default: all but month]
+    /// What shakes the harvester; may be repeated [default: random, truck, speed and walking]
     #[arg(long, value_enum)]
     course: Vec<Course>,
     /// Which storage only, by its name in the rows; batteries by their words in a scene file
@@ -88,7 +88,7 @@ pub(super) fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
     };
     let lines = timelines(&extent)?;
     if lines.is_empty() {
-        let text = "--course: must not be truck or walking alone for a slider, which they do not move";
+        let text = "--course: must not be truck, rail or walking alone for a slider, which they do not move";
         return Err(Failure::Input(text.to_owned()));
     }
     let count = ROWS * extent.storages.len();

@@ -118,7 +118,7 @@ pub(crate) fn timelines(extent: &Extent) -> Result<Vec<Timeline>, Failure> {
     let mut all = Vec::new();
     for &kind in &extent.kinds {
         for &course in &extent.courses {
-            let holds = kind.is_slider() && matches!(course, Course::Truck | Course::Walking);
+            let holds = kind.is_slider() && matches!(course, Course::Truck | Course::Rail | Course::Walking);
             let seed = 17 * kind as u64 + 1000 * course as u64;
             all.extend(
                 [(kind, true, course, seed + 1), (kind, false, course, seed)]

@@ -18,6 +18,8 @@ pub enum VibrationKind {
     Broadband,
     /// The bed of a truck on a highway, with stops.
     Truck,
+    /// A wagon, with stops.
+    Rail,
     /// A machine whose speed rises and falls for hours.
     Speed,
     /// A foot strikes twice a second, with rests.
@@ -43,6 +45,8 @@ pub enum Course {
     Walking,
     /// Random hours from 8 to 16 o'clock of working days, over 30 days
     Month,
+    /// IEC 60721-3-2, class 2M2: goods on a train, with stops
+    Rail,
 }
 
 /// Some hours of a harvester.
@@ -59,13 +63,18 @@ pub struct Timeline {
     pub minutes: Vec<f64>,
 }
 
-/// Sines of the vibration of a truck near a resonance.
-const TRUCK_LINES: usize = 60;
+/// Sines of the vibration of a vehicle near a resonance.
+const VEHICLE_LINES: usize = 60;
 
 /// One-sided spectral density in g²/Hz of MIL-STD-810, method 514, a truck on highways, vertical axis: even to 40 Hz, then
 /// straight in logarithmic axes to a hundredth at 500 Hz.
 fn truck(frequency: f64) -> f64 {
     0.015 * if frequency > 40.0 { libm::pow(frequency / 40.0, -2.0 / libm::log10(12.5)) } else { 1.0 }
+}
+
+/// One-sided spectral density in m²/s³ of IEC 60721-3-2, classes 2M1 and 2M2, of goods on wheels: even to 200 Hz and beyond.
+fn rail(frequency: f64) -> f64 {
+    if frequency > 200.0 { 0.3 } else { 1.0 }
 }
 
 impl Timeline {
@@ -87,6 +96,7 @@ impl Timeline {
             let vibration_kind = match course {
                 Course::Random | Course::Month => drawn(kind, &mut random),
                 Course::Truck => VibrationKind::Truck,
+                Course::Rail => VibrationKind::Rail,
                 Course::Speed => VibrationKind::Speed,
                 Course::Walking => VibrationKind::Walking,
             };
@@ -207,12 +217,13 @@ fn hour(kind: Kind, of: VibrationKind, index: usize, random: &mut Source) -> Opt
             let density = 0.5 * amplitude * amplitude / (10.0 * half) * random.uniform(0.0, 1.0).max(0.05);
             vec![noise([[0.8 * resonance, density], [1.25 * resonance, density]], LINES, random)?; 60]
         }
-        VibrationKind::Truck => {
+        VibrationKind::Truck | VibrationKind::Rail => {
+            let is_truck = of == VibrationKind::Truck;
+            let density = |hertz| if is_truck { GRAVITY * GRAVITY * truck(hertz) } else { rail(hertz) };
             // What is near the resonance.
-            let points =
-                [0.93 * resonance, 1.07 * resonance].map(|hertz| [hertz, GRAVITY * GRAVITY * truck(hertz)]);
+            let points = [0.93 * resonance, 1.07 * resonance].map(|hertz| [hertz, density(hertz)]);
             let spans = [whole(random, 15, 30.0), whole(random, 3, 15.0)];
-            in_turn(spans, &noise(points, TRUCK_LINES, random)?)
+            in_turn(spans, &noise(points, VEHICLE_LINES, random)?)
         }
         VibrationKind::Walking => {
             let peak = 10.0 + 10.0 * random.uniform(0.0, 1.0);
