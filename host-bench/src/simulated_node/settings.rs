@@ -66,6 +66,8 @@ pub struct Settings {
     pub of_highest: f64,
     /// Standard deviation of the gain of the map: 1 of a harvester of which nothing was measured.
     pub gain: f64,
+    /// Seconds between bursts where the voltage shows the income.
+    pub check: u32,
 }
 
 impl Settings {
@@ -90,6 +92,7 @@ impl Settings {
             of_capacitance: 0.0,
             of_highest: 0.0,
             gain: 1.0,
+            check: 80_000,
         }
     }
 
@@ -249,7 +252,12 @@ impl Settings {
                 blocks: BLOCKS,
                 clipped: 32_000,
             },
-            bursts: Bursts { energy: (energy / self.scale) as f32, worth: 10.0, shortest: 60, check: 80_000 },
+            bursts: Bursts {
+                energy: (energy / self.scale) as f32,
+                worth: 10.0,
+                shortest: 60,
+                check: self.check,
+            },
             gain: self.gain as f32,
             gain_drift: 0.02,
         };

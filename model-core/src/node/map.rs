@@ -77,7 +77,7 @@ pub struct MapState<const P: usize, const ACTIONS: usize> {
     /// Predicted energy since the last reading that was used, and since the begin of the hour.
     interval: PredictedEnergy,
     hour: PredictedEnergy,
-    /// Gain of the map, its variance, and comparisons in turn that contradict it.
+    /// Gain of the map, its variance, and twice the comparisons in turn that contradict it, with 1 more where they are below it.
     gain: f32,
     of_gain: f32,
     contradictions: u32,

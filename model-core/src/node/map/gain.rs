@@ -33,18 +33,27 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         let per_square = 1.0 / (value * value);
         let (square, of_map) = (state.gain * state.gain, systematic * systematic);
         let of_ratio = estimated.variance * per_square + square * (noise * noise * per_square + of_map);
-        if !(of_ratio < LITTLE * state.of_gain) {
-            return;
-        }
         let (departure, both) = (ratio - state.gain, state.of_gain + of_ratio);
         if departure * departure > CONTRADICTS * CONTRADICTS * both {
-            state.contradictions = state.contradictions.wrapping_add(1);
-            if state.contradictions < CONTRADICTIONS {
+            if state.motion.take().is_some() {
+                // It may be in the other motion.
+                return;
+            }
+            // Vibration that beats contradicts to either side.
+            let side = u32::from(departure < 0.0);
+            let before = if state.contradictions % 2 == side { state.contradictions } else { side };
+            state.contradictions = before.wrapping_add(2);
+            if state.contradictions < 2 * CONTRADICTIONS {
+                // The next comparison comes now, not with the next check.
+                state.is_asked = true;
                 return;
             }
             // The harvester is another one: this comparison and the next ones learn its gain.
             state.is_doubtful = true;
             state.of_gain = departure * departure;
+        }
+        if !(of_ratio < LITTLE * state.of_gain) {
+            return;
         }
         state.contradictions = 0;
         let part = state.of_gain / (state.of_gain + of_ratio);

@@ -1,8 +1,11 @@
-//! More than a year of both tiers: each quarter is known as the first.
+//! More than a year of both tiers, each quarter of which is known as the first, and a harvester that has changed.
 
-use host_bench::simulated_node::{Storage, years};
+use std::collections::BTreeSet;
 
-use super::capacitor;
+use host_bench::simulated_node::{Deviation, Kind, OneNode, Parts, Settings, Storage, World, years};
+use model_core::node::Tier;
+
+use super::{capacitor, part, random_hours};
 
 #[test]
 fn each_quarter_of_four_hundred_days_is_inside_its_bounds() {
@@ -28,4 +31,42 @@ fn each_quarter_of_four_hundred_days_is_inside_its_bounds() {
     let keys: Vec<_> = keys.split(' ').collect();
     let places: Vec<_> = keys.iter().map(|key| text.find(&format!(" {key}: ")).expect(key)).collect();
     assert!(places.is_sorted() && text.matches(": ").count() == keys.len(), "{text}");
+}
+
+#[test]
+fn a_resonance_that_has_moved_by_a_fiftieth_makes_the_map_doubtful_within_a_day() {
+    for kind in [Kind::ContactSeparation, Kind::BumpStop] {
+        let line = random_hours(kind, true, 12, 70 + kind as u64);
+        let settings =
+            Settings { gain: 0.1, check: 3600, ..Settings::new(kind, part("nrf52832"), 10e-3, 0.01) };
+        let settings = settings.scaled(&line.minutes);
+        // A day as designed, and the days after it.
+        for (resonance, days) in [(1.0, 40), (1.02, 1), (0.98, 1)] {
+            let moved = Deviation { resonance, ..Deviation::NONE };
+            let moved = kind.minutes(&line.vibration, &|_| moved).expect("steps");
+            let (mut minutes, mut vibration) = (Vec::new(), Vec::new());
+            for half in 0..2 + 2 * days {
+                minutes.extend(if half < 2 { &line.minutes } else { &moved });
+                vibration.extend_from_slice(&line.vibration);
+            }
+            // Seconds with an alarm, and the gain of the map.
+            let (mut node, mut alarms) = (settings.map(), Vec::new());
+            World::new(&settings, (&minutes, &vibration), Parts::AS_STATED, 7).run(&mut node, |running| {
+                if running.state.is_map_doubtful() {
+                    alarms.push((OneNode::second(&running.state), running.state.gain().map(f64::from)));
+                }
+            });
+            let hours: BTreeSet<u32> = alarms.iter().map(|(second, _)| second / 3600).collect();
+            println!("{kind:?} × {resonance}: {} hours from {:?} on", hours.len(), alarms.first());
+            if resonance == 1.0 {
+                assert!(100 * hours.len() <= 24 * (days + 1), "{hours:?}");
+                continue;
+            }
+            let (second, [gain, bound]) = alarms[0];
+            assert!((86_400..2 * 86_400).contains(&second), "{second} s");
+            let minute = second as usize / 60 - 6;
+            let truth = minutes[minute] / line.minutes[minute % line.minutes.len()];
+            assert!((gain - truth).abs() <= bound && (gain - 1.0).abs() > bound, "{gain} ± {bound}: {truth}");
+        }
+    }
 }
