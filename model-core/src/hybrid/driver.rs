@@ -439,7 +439,9 @@ fn due_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     state: &HybridState<S, A::Mode, N, P>,
     excitation: &impl Excitation<S>,
 ) -> Option<usize> {
-    let input = InputAt::new(excitation, state.clock);
-    (0..automaton.guards(state.mode).min(MOST_GUARDS))
-        .find(|&index| automaton.guard(state.mode, index, state.armed, &state.point, &input).is_due())
+    let (input, mut due) = (InputAt::new(excitation, state.clock), None);
+    automaton.each_guard(state.mode, state.armed, &state.point, &input, |index, guard| {
+        due = due.or(guard.is_due().then_some(index));
+    });
+    due
 }

@@ -81,13 +81,26 @@ where
     #[inline(never)]
     fn reaches(&self, search: &mut Search<S>, index: usize, end: &Point<S, N, P>) -> Reached<S> {
         let (ticks, extension) = (search.ticks, self.extension());
-        let guard = self.guard(index, end, ticks);
+        let (mut guard, mut sooner) = (Guard { value: S::ONE, rate: S::ZERO }, (S::INFINITY, index));
+        let mut others_fell = false;
+        self.each_guard(end, ticks, |other, Guard { value, rate }| {
+            let missing = value / -rate;
+            if other == index {
+                guard = Guard { value, rate };
+            } else {
+                others_fell |= !(value > S::ZERO);
+                if rate < S::ZERO && missing < sooner.0 && extension.is_near(missing, ticks) {
+                    sooner = (missing, other);
+                }
+            }
+        });
         let reached = search.reach(&guard, index, &extension);
         if matches!(reached, Reached::Past) {
             return if self.approaches(search, end) { Reached::Beyond } else { Reached::Clear };
         }
         // The predicted circuit can conduct before an impact, and that of the attempt after it.
-        if (guard.value > S::ZERO || !matches!(reached, Reached::Beyond))
+        if others_fell
+            && (guard.value > S::ZERO || !matches!(reached, Reached::Beyond))
             && let Some(fall) = self.expected_fall([ticks; 2], end, bit(index), true)
             && search.return_to(fall, index, ticks)
         {
@@ -96,12 +109,9 @@ where
         let Reached::Near { mut missing, curved } = reached else { return reached };
         // The order of events within the time that an attempt is extended over is that of their guards' tangents.
         search.event = Some(index);
-        self.each_guard(end, ticks, |other, Guard { value, rate }| {
-            let sooner = value / -rate;
-            if other != index && rate < S::ZERO && sooner < missing && extension.is_near(sooner, ticks) {
-                (missing, search.event) = (sooner, Some(other));
-            }
-        });
+        if sooner.0 < missing {
+            (missing, search.event) = (sooner.0, Some(sooner.1));
+        }
         Reached::Near { missing, curved }
     }
 
@@ -227,9 +237,9 @@ where
             (end.state[i], end.remainder[i]) = add_increment(end.state[i], end.remainder[i], increment);
             end.derivative[i] += missing * turn;
         }
-        for i in 0..P {
-            let turn = bend(trial.energies[i], start.powers[i], end.powers[i]);
-            trial.energies[i] += missing * (end.powers[i] + half * turn);
+        for (i, energy) in (0..P).zip(&mut trial.energies) {
+            let turn = bend(*energy, start.powers[i], end.powers[i]);
+            *energy += missing * (end.powers[i] + half * turn);
             end.powers[i] += missing * turn;
         }
         self.automaton.flow(self.mode).correct_energies(&start.state, &end.state, &mut trial.energies);

@@ -306,9 +306,14 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         {
             add_layer(system, start, layer, step, &mut energies);
         }
-        let mut settled = start.derivative;
-        settled[Y::CIRCUIT] = rate;
-        let at_start = system.powers(&start.state, &settled, inputs[0]);
+        // Without a layer the first power is that at the end of the step before.
+        let at_start = if layer.is_some() {
+            let mut settled = start.derivative;
+            settled[Y::CIRCUIT] = rate;
+            system.powers(&start.state, &settled, inputs[0])
+        } else {
+            start.powers
+        };
         let energy_error = step * energy_error_rate(&at_start, &powers);
         let sum = end.state.iter().chain(&end.derivative).fold(error + energy_error, |sum, &term| sum + term);
         if !sum.is_finite() {

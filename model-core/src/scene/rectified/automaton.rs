@@ -229,16 +229,23 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         point: &Point<S, STATES, POWERS>,
         input: &InputAt<'_, E>,
     ) -> Guard<S> {
+        let kind = self.guard_kind(mode, index);
+        if let GuardKind::Harvester(index) = kind {
+            // Of the circuit only a release reads the charge.
+            let is_blocked = !self.harvester.is_stick(mode.inner);
+            let mode = if is_blocked { Mode { regime: BridgeRegime::Blocked, ..mode } } else { mode };
+            let own_point = self.own_point(mode, &self.electrics(mode, &point.state), point);
+            return self.harvester.guard(mode.inner, index, armed, &own_point, input);
+        }
         let at = self.electrics(mode, &point.state);
-        let own_point = self.own_point(mode, &at, point);
-        match self.guard_kind(mode, index) {
-            GuardKind::Harvester(index) => self.harvester.guard(mode.inner, index, armed, &own_point, input),
+        match kind {
             GuardKind::Begin(regime) => {
+                let own_point = self.own_point(mode, &at, point);
                 let [forward, backward] = self.begin_guards(&at, &own_point, mode.inner);
                 if regime == BridgeRegime::Forward { forward } else { backward }
             }
-            GuardKind::End => self.end_guard(mode, &at, point),
             GuardKind::Lockout => self.lockout_guard(mode, &at, point),
+            GuardKind::End | GuardKind::Harvester(_) => self.end_guard(mode, &at, point),
         }
     }
 
@@ -368,7 +375,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
     }
 
     /// The stored energy is that of the harvester alone.
-    #[inline]
+    #[inline(always)]
     fn outputs<'a>(&self, mode: Self::Mode, point: &'a Point<S, STATES, POWERS>) -> Outputs<'a, S> {
         let at = self.electrics(mode, &point.state);
         let own = self.own_point(mode, &at, point);

@@ -43,7 +43,7 @@ impl<S: Scalar> Electrics<S> {
 
 impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// The circuit at a state; see [`super`].
-    #[inline]
+    #[inline(always)]
     pub(super) fn electrics(&self, mode: Mode<H::Mode>, state: &[S; STATES]) -> Electrics<S> {
         let (start, base) = (state[CHARGE], state[STORAGE]);
         if mode.regime == BridgeRegime::Blocked {

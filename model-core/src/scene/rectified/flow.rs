@@ -199,7 +199,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
     }
 
     /// `B' = −i_out(V_s)/C_s`, linearised about `B` at the start of the step.
-    #[inline]
+    #[inline(always)]
     fn stage(&self, start: &Point<S, STATES, POWERS>, displacement: S, velocity: S) -> Stage<S> {
         let scene = self.scene;
         let mut state = start.state;

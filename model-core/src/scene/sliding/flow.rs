@@ -275,6 +275,27 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
     }
 }
 
+impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
+    /// The terminal voltage in V, and `1/s1`.
+    #[inline(never)]
+    fn port_value(&self, ahead: bool, displacement: S, charge: S) -> [S; 2] {
+        let circuit = self.circuit(ahead, displacement, charge);
+        [self.field * circuit.voltage, circuit.per_active]
+    }
+
+    /// Logarithmic derivative of `1/s1` by the displacement in 1/m, from `1/s1`.
+    #[inline(never)]
+    fn port_growth(&self, ahead: bool, displacement: S, per_active: S) -> S {
+        -self.active_by_displacement(ahead, displacement) * per_active
+    }
+
+    /// `d²s1/dx²/s1` in 1/m², from `1/s1`.
+    #[inline(never)]
+    fn port_bend(&self, ahead: bool, displacement: S, per_active: S) -> S {
+        self.active_curvature(ahead, displacement) * per_active
+    }
+}
+
 impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for Sliding<S, P> {
     port_items!();
 
@@ -282,20 +303,19 @@ impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for Sliding<S, P> {
         self.field * self.surface.tribo_charge
     }
 
-    /// `V = (σ S2 − q) d / (ε0 ε_r S1)`.
-    #[inline]
+    /// `V = (σ S2 − q) d / (ε0 ε_r S1)`. The calls are removed where nothing of their results is read.
+    #[inline(always)]
     fn port_voltage(&self, mode: Mode, displacement: S, charge: S) -> PortVoltage<S> {
         let ahead = mode.is_ahead(displacement);
-        let circuit = self.circuit(ahead, displacement, charge);
-        let slope = self.active_by_displacement(ahead, displacement);
+        let [value, share] = self.port_value(ahead, displacement, charge);
+        let growth = self.port_growth(ahead, displacement, share);
+        let bend = self.port_bend(ahead, displacement, share);
         // With s2 = 1 − s1 the voltage is field ((t − q)/s1 − t), so the derivative of its first part is that part
         // times −s1'/s1.
-        let per_active = self.field * circuit.per_active;
-        let growth = -slope * circuit.per_active;
+        let per_active = self.field * share;
         let first = per_active * (self.surface.tribo_charge - charge);
-        let bend = self.active_curvature(ahead, displacement) * circuit.per_active;
         PortVoltage {
-            value: self.field * circuit.voltage,
+            value,
             by_position: first * growth,
             by_charge: -per_active,
             curvature: first * (S::from_f64(2.0) * growth * growth - bend),
