@@ -166,11 +166,16 @@ impl<S: Scalar> Stages<S> {
     ) {
         let linear = self.changes[2];
         let [one, two] = self.displacements;
-        let places = [one, two, displacement].into_iter().zip(self.changes);
-        for (equation, (displacement, change)) in equations.iter_mut().zip(places) {
-            self.defect = system.circuit_defect(start, displacement, change);
-            equation.drive += self.defect;
+        let [first, second, third] = self.changes;
+        let defects = [(one, first), (two, second), (displacement, third)]
+            .map(|(displacement, change)| system.circuit_defect(start, displacement, change));
+        if defects == [S::ZERO; 3] {
+            return;
         }
+        for (equation, defect) in equations.iter_mut().zip(defects) {
+            equation.drive += defect;
+        }
+        self.defect = defects[2];
         self.solve(&equations, step);
         let correction = (self.changes[2] - linear).abs();
         let convergence = correction / linear.abs().max(S::TINY);

@@ -224,10 +224,14 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
     const LINEAR: bool = R::LINEAR;
 
     /// The storage voltage is linear in `B` at a place. It is not computed again at the end of the change: where the storage
-    /// is smaller than the harvester's capacitance, roundings of the terminal voltage would be larger than the defect.
+    /// is smaller than the harvester's capacitance, roundings of the terminal voltage would be larger than the defect. The
+    /// leakage alone is linear.
     #[inline]
     fn circuit_defect(&self, start: &Point<S, STATES, POWERS>, displacement: S, change: S) -> S {
         let scene = self.scene;
+        if !self.mode.connected {
+            return S::ZERO;
+        }
         let mut state = start.state;
         state[POSITION] += displacement;
         let at = scene.electrics(self.mode, &state);
