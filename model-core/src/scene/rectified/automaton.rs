@@ -97,15 +97,27 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     ///
     /// A draw that empties the storage within a step leaves a voltage of the size of the step's error, of either sign. The
     /// threshold is that of an empty storage then: below zero it would let both directions conduct at once.
+    ///
+    /// After a rest the threshold falls faster than the voltage for an instant. Where the parabola of the margin stays above
+    /// zero, this is no approach to an event.
     #[inline]
-    fn begin_guards(&self, at: &Electrics<S>, own: &Point<S, 3, 0>, mode: H::Mode) -> [Guard<S>; 2] {
+    fn begin_guards(
+        &self,
+        at: &Electrics<S>,
+        own: &Point<S, 3, 0>,
+        mode: H::Mode,
+        armed: bool,
+    ) -> [Guard<S>; 2] {
         let [position, velocity, charge] = own.state;
         let terminal = self.harvester.port_voltage(mode, position, charge);
         let threshold = self.bridge.threshold(at.storage_voltage.max(S::ZERO));
         let margin = S::from_f64(THRESHOLD_ROUNDINGS) * S::EPSILON * (terminal.magnitude + threshold);
-        [S::ONE, -S::ONE].map(|sign| Guard {
-            value: threshold - sign * terminal.value + margin,
-            rate: -at.fall - sign * terminal.by_position * velocity,
+        let bend = terminal.by_position * own.derivative[VELOCITY];
+        [S::ONE, -S::ONE].map(|sign| {
+            let value = threshold - sign * terminal.value + margin;
+            let rate = -at.fall - sign * terminal.by_position * velocity;
+            let stays = !armed && rate * rate < -(sign + sign) * bend * value;
+            Guard { value, rate: if stays && rate < S::ZERO { S::ZERO } else { rate } }
         })
     }
 
@@ -241,7 +253,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         match kind {
             GuardKind::Begin(regime) => {
                 let own_point = self.own_point(mode, &at, point);
-                let [forward, backward] = self.begin_guards(&at, &own_point, mode.inner);
+                let [forward, backward] = self.begin_guards(&at, &own_point, mode.inner, armed);
                 if regime == BridgeRegime::Forward { forward } else { backward }
             }
             GuardKind::Lockout => self.lockout_guard(mode, &at, point),
@@ -266,7 +278,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         if bridge == 1 {
             take(own, self.end_guard(mode, &at, point));
         } else if bridge == 2 {
-            let [forward, backward] = self.begin_guards(&at, &own_point, mode.inner);
+            let [forward, backward] = self.begin_guards(&at, &own_point, mode.inner, armed);
             take(own, forward);
             take(own + 1, backward);
         }
