@@ -23,12 +23,11 @@ use self::runs::Loader;
 
 use std::sync::LazyLock;
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::attractors::elsewhere;
 use crate::method::{Failure, Options};
-use crate::run::stopped_as_text;
+use crate::run::{stopped_as_text, try_each};
 
 /// Whether a finding is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -191,13 +190,13 @@ fn measure_of(
 ) -> Result<Vec<Row>, Failure> {
     let is_wanted = |number: &&&str| wanted.iter().any(|finding| finding.number == **number);
     let count = |experiment: &&Experiment| experiment.numbers.iter().filter(is_wanted).count();
-    let chosen = all.par_iter().with_max_len(1).filter(|experiment| count(experiment) > 0);
-    let measured = chosen.map(|experiment| {
+    let chosen: Vec<&Experiment> = all.iter().filter(|experiment| count(experiment) > 0).collect();
+    let measured = try_each(&chosen, |experiment| {
         let found = experiment.measured(Loader(None), single_start);
-        done(count(&experiment));
+        done(count(experiment));
         found
     });
-    let measured = measured.collect::<Result<Vec<Measured>, _>>()?.concat();
+    let measured = measured?.concat();
     let row = |finding: &'static Finding| {
         let number = finding.number;
         let checks: Vec<Check> = measured.iter().filter(|check| check.number == number).cloned().collect();

@@ -1,10 +1,10 @@
 //! The impacting band of contact-separation over frequency: findings 33 to 36, 40, 41 and 43.
 
-use super::runs::{Changes, Loader, each, value};
+use super::runs::{Changes, Loader, value};
 use super::statistics::{largest, least};
 use super::{Bound::*, Measured, check};
 use crate::method::{Failure, Options};
-use crate::run::run_scene;
+use crate::run::{run_scene, try_each};
 use crate::scene_file::Scene;
 
 /// Lowest frequency in Hz, distance and number of the frequencies.
@@ -62,7 +62,7 @@ struct Band {
 impl Band {
     fn new(case: Case<'_>) -> Result<Self, Failure> {
         let frequencies: Vec<f64> = (0..COUNT).map(|index| FIRST_HZ + EVERY_HZ * f64::from(index)).collect();
-        let points = each(&frequencies, |frequency| Point::new(case, *frequency))?;
+        let points = try_each(&frequencies, |frequency| Point::new(case, *frequency))?;
         let edge = |inside: Option<usize>, outwards_hz: f64| {
             inside.map_or(Ok(f64::NAN), |inside| edge(case, frequencies[inside], outwards_hz))
         };
@@ -98,7 +98,7 @@ impl Band {
 fn edge(case: Case<'_>, inside_hz: f64, outwards_hz: f64) -> Result<f64, Failure> {
     let fine: Vec<f64> =
         (0..=FINE).map(|index| inside_hz + 2.0 * outwards_hz * f64::from(index) / f64::from(FINE)).collect();
-    let points = each(&fine, |frequency| Point::new(case, *frequency))?;
+    let points = try_each(&fine, |frequency| Point::new(case, *frequency))?;
     let outermost = points.iter().rposition(|point| point.is_impacting).unwrap_or(0);
     let (mut with, Some(mut without)) = (fine[outermost], fine.get(outermost + 1).copied()) else {
         return Ok(f64::NAN);
@@ -112,7 +112,7 @@ fn edge(case: Case<'_>, inside_hz: f64, outwards_hz: f64) -> Result<f64, Failure
 
 /// The bands for charge densities and resistances, with these keys changed.
 fn bands(loader: Loader<'_>, cases: &[(&str, &str)], changes: Changes<'_>) -> Result<Vec<Band>, Failure> {
-    each(cases, |(density, resistance)| {
+    try_each(cases, |(density, resistance)| {
         let case = [("parameters.charge_density_c_per_m2", *density), ("load.resistance_ohm", *resistance)];
         Band::new((loader, &[&case[..], changes].concat()))
     })

@@ -1,11 +1,11 @@
 //! Modes, steps and storage of the second paper: findings 18 to 20.
 
-use super::runs::{Loader, NEAR_RESONANCE, OFF_RESONANCE, each, each_of, value};
+use super::runs::{Loader, NEAR_RESONANCE, OFF_RESONANCE, each_of, value};
 use super::statistics::{largest, smallest, spread};
 use super::{Bound::*, Measured, check};
 use crate::figures::bump_stop::convergence::{self as figures, ConvergenceRun};
 use crate::method::{Failure, Options};
-use crate::run::run_scene;
+use crate::run::{run_scene, try_each};
 use crate::scene_file::{Contact, Scene};
 
 /// Numbers of modes of beam and rod.
@@ -47,7 +47,7 @@ pub(super) fn measure(loader: Loader<'_>) -> Result<Measured, Failure> {
         .chain(of_modes(tip))
         .chain(of_modes(mid))
         .collect();
-    let mut all = each(&cases, |(name, modes, step_s)| found(loader, name, *modes, *step_s))?;
+    let mut all = try_each(&cases, |(name, modes, step_s)| found(loader, name, *modes, *step_s))?;
     let mid = all.split_off(all.len() - MODES.len());
     let tip = all.split_off(all.len() - MODES.len());
     let near = all.split_off(finer.len());

@@ -1,12 +1,12 @@
 //! The resonance over the resistance: of the sliding harvester and its charge density, findings 21 to 30; piezoelectric shunting, with
 //! which the first paper compares, findings 31 and 32.
 
-use super::runs::{Changes, Loader, bump_stop, each, each_of, value};
+use super::runs::{Changes, Loader, bump_stop, each_of, value};
 use super::statistics::{largest, least, smallest, spread};
 use super::{Bound::*, Measured, check};
 use crate::embedded::resonance_peak;
 use crate::method::{Failure, Options};
-use crate::run::run_scene;
+use crate::run::{run_scene, try_each};
 use crate::steady_state::{DEFAULT_POINTS, Peak as SteadyPeak};
 
 /// Charge densities in C/m² of the first sweep.
@@ -59,7 +59,7 @@ struct OverResistance {
 impl OverResistance {
     fn new(loader: Loader<'_>, changes: Changes<'_>, range_hz: [f64; 2]) -> Result<Self, Failure> {
         let at = |resistance: &str| peak(loader, &[changes, &[(RESISTANCE, resistance)]].concat(), range_hz);
-        let peaks = each(&RESISTANCES, |resistance| at(resistance))?;
+        let peaks = try_each(&RESISTANCES, |resistance| at(resistance))?;
         let exponent = |place: usize| RESISTANCES[place].parse().unwrap_or(0.0_f64).max(LEAST_OHM).log10();
         let between = |exponent: f64| at(&format!("{:e}", 10_f64.powf(exponent)));
         let least = |of: fn(&Peak) -> f64| least(&peaks, exponent, between, of, WITHIN);
@@ -83,11 +83,11 @@ fn last_over_first(values: &[f64]) -> f64 {
 
 /// Findings 21 to 24: more charge at 100 MΩ, at an amplitude in g.
 pub(super) fn measure_charge(loader: Loader<'_>, amplitude_g: &str) -> Result<Measured, Failure> {
-    let peaks = each(&CHARGE_DENSITIES, |density| {
+    let peaks = try_each(&CHARGE_DENSITIES, |density| {
         let changes = [(CHARGE_DENSITY, *density), (RESISTANCE, "1e8"), (AMPLITUDE, amplitude_g)];
         peak(loader, &changes, RANGE_HZ)
     })?;
-    let away = each(&["0", "120e-6"], |density| {
+    let away = try_each(&["0", "120e-6"], |density| {
         let changes = [(CHARGE_DENSITY, *density), (RESISTANCE, "1e8"), ("excitation.frequency_hz", "16.0")];
         let options = Options { steady_state: true, ..Options::default() };
         let outcome = run_scene(&loader.scene("sliding", &changes)?, &options)?;
@@ -237,13 +237,13 @@ fn shunted_peak(loader: Loader<'_>, resistance: &str) -> Result<[f64; 2], Failur
     let frequencies: Vec<f64> = (0..COUNT).map(|index| FIRST_HZ + EVERY_HZ * f64::from(index)).collect();
     let at = |frequency_hz: f64| amplitude(loader, resistance, frequency_hz);
     let inverse = |frequency_hz: &f64| at(*frequency_hz).map(|amplitude| amplitude.powi(-2));
-    let values = each(&frequencies, inverse)?;
+    let values = try_each(&frequencies, inverse)?;
     let least = (0..values.len()).min_by(|one, other| values[*one].total_cmp(&values[*other]));
     let Some(least) = least.filter(|least| (1..values.len() - 1).contains(least)) else {
         return Ok([f64::NAN; 2]);
     };
     let near = top(frequencies[least], EVERY_HZ, [values[least - 1], values[least], values[least + 1]]);
-    let around = each(&[near - CLOSE_HZ, near, near + CLOSE_HZ], inverse)?;
+    let around = try_each(&[near - CLOSE_HZ, near, near + CLOSE_HZ], inverse)?;
     let [before, here, after] = around[..] else { return Ok([f64::NAN; 2]) };
     let frequency_hz = top(near, CLOSE_HZ, [before, here, after]);
     Ok([frequency_hz, at(frequency_hz)?])
@@ -256,7 +256,7 @@ fn top(middle: f64, every: f64, [before, here, after]: [f64; 3]) -> f64 {
 
 /// Findings 31 and 32.
 pub(super) fn measure(loader: Loader<'_>) -> Result<Measured, Failure> {
-    let peaks = each(&SHUNTS, |resistance| shunted_peak(loader, resistance))?;
+    let peaks = try_each(&SHUNTS, |resistance| shunted_peak(loader, resistance))?;
     let frequencies: Vec<f64> = peaks.iter().map(|[frequency, _]| *frequency).collect();
     let amplitudes: Vec<f64> = peaks.iter().map(|[_, amplitude]| 1e6 * amplitude).collect();
     let lowest = smallest(amplitudes.iter().copied());

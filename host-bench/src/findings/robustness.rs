@@ -4,12 +4,12 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::runs::Loader;
 use super::{Check, EXPERIMENTS, Experiment, Finding, Mark, wanted};
 use crate::method::Failure;
+use crate::run::each;
 use crate::stability::fnv_1a;
 use crate::stability::random::Source;
 
@@ -104,17 +104,16 @@ pub(crate) fn drawn(
     };
     let chosen = || EXPERIMENTS.iter().filter(|experiment| count(experiment) > 0);
     let cases: Vec<_> = draws.flat_map(|draw| chosen().map(move |experiment| (draw, experiment))).collect();
-    let measured = cases.into_par_iter().with_max_len(1).flat_map_iter(|(draw, experiment)| {
-        let factor = |key: &str| factor(draw, key);
+    let measured = each(&cases, |(draw, experiment)| {
+        let factor = |key: &str| factor(*draw, key);
         // With the shipped parameters there is no error: it is of the draw.
         let found = experiment.measured(Loader(Some(&factor)), true).unwrap_or_default();
         done(count(experiment));
-        experiment
-            .numbers
-            .iter()
-            .map(move |number| (*number, letter(found.iter().filter(|check| check.number == *number))))
-    });
-    let measured: Vec<(&str, char)> = measured.collect();
+        let of =
+            |number: &&'static str| (*number, letter(found.iter().filter(|check| check.number == *number)));
+        experiment.numbers.iter().map(of).collect::<Vec<_>>()
+    })
+    .concat();
     let letters = |finding: &'static Finding| {
         let own = measured.iter().filter(|(number, _)| *number == finding.number);
         (finding, own.map(|(_, letter)| *letter).collect())

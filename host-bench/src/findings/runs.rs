@@ -1,11 +1,9 @@
 //! Runs of shipped scenes with changes, and the sampled motion and the contacts of a bump-stop run.
 
-use rayon::prelude::*;
-
 use crate::embedded::{ContactInterval, contact_intervals, natural_frequency_hz};
 use crate::method::{Failure, Options};
 use crate::outcome::{BumpStopOutcome, Outcome};
-use crate::run::run_scene;
+use crate::run::{run_scene, try_each};
 use crate::scene_file::{self, Excitation, Scene, StopParameters};
 
 /// The scenes of the second paper far below the resonance: the stop at the tip, at mid-span, and none.
@@ -47,21 +45,13 @@ impl Loader<'_> {
     }
 }
 
-/// The result for each case, in their order, on all cores.
-pub(super) fn each<C: Sync, R: Send>(
-    cases: &[C],
-    work: impl Fn(&C) -> Result<R, Failure> + Sync + Send,
-) -> Result<Vec<R>, Failure> {
-    cases.par_iter().with_max_len(1).map(work).collect()
-}
-
 /// The result for each of some cases, in their order, on all cores.
 pub(super) fn each_of<C: Sync, R: Send, const N: usize>(
     cases: [C; N],
-    work: impl Fn(&C) -> Result<R, Failure> + Sync + Send,
+    work: impl Fn(&C) -> Result<R, Failure> + Sync,
 ) -> Result<[R; N], Failure> {
     let count = |found: Vec<R>| Failure::Input(format!("{} results of {N} cases", found.len()));
-    each(&cases, work)?.try_into().map_err(count)
+    try_each(&cases, work)?.try_into().map_err(count)
 }
 
 pub(super) fn bump_stop(outcome: &Outcome) -> Result<&BumpStopOutcome, Failure> {
