@@ -241,7 +241,7 @@ pub struct Point<S, const N: usize, const P: usize> {
     pub remainder: [S; N],
     /// The derivative of the state at the last stage of the method.
     pub derivative: [S; N],
-    /// The powers in watts.
+    /// The powers in watts, of this state and derivative: a step takes the first as that at its start.
     pub powers: [S; P],
 }
 

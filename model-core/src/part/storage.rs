@@ -38,7 +38,7 @@ pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     /// Voltage in V before the first step.
     fn initial_voltage(&self) -> S;
 
-    /// Leakage current in A at a voltage in V.
+    /// Leakage current in A at a voltage in V, in proportion to it: without a draw the circuit is solved as linear.
     fn leakage(&self, voltage: S) -> S;
 
     /// Current in A into the connected draw, at a voltage in V.

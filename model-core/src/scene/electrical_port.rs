@@ -31,7 +31,7 @@ pub struct PortVoltage<S> {
 /// A triboelectric harvester of three states, position, velocity and charge, for a circuit at its terminals.
 ///
 /// Implemented by [`crate::scene::contact_separation::ContactSeparation`] and [`crate::scene::sliding::Sliding`]; it
-/// cannot be implemented outside this crate.
+/// cannot be implemented outside this crate. The guards of a mode that is no stick read position and velocity alone.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot be put behind a bridge by `Rectified`",
     note = "a triboelectric harvester can, once built with `OpenCircuit` as its load",

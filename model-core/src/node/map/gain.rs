@@ -39,13 +39,13 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
                 // It may be in the other motion.
                 return;
             }
-            // Vibration that beats contradicts to either side.
             let side = u32::from(departure < 0.0);
+            let is_other = state.contradictions > 1 && state.contradictions % 2 != side;
             let before = if state.contradictions % 2 == side { state.contradictions } else { side };
             state.contradictions = before.wrapping_add(2);
             if state.contradictions < 2 * CONTRADICTIONS {
-                // The next comparison comes now, not with the next check.
-                state.is_asked = true;
+                // The next comparison comes now, not with the next check. Vibration that beats contradicts to either side: it waits.
+                state.is_asked |= !is_other;
                 return;
             }
             // The harvester is another one: this comparison and the next ones learn its gain.

@@ -34,7 +34,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         let (mut open, mut closed) = (0, set.ticks);
         let (mut latest, mut gap, mut rate) = (closed, reached.gap, self.scene.gap_rate(&reached));
         let mut attempts = 0;
-        while closed - open > 1 && attempts < MOST_LOCATING {
+        while closed.wrapping_sub(open) > 1 && attempts < MOST_LOCATING {
             // Newton's iteration from the last attempt, overshooting; bisection if it leaves the bracket.
             let distance = ((gap / rate).abs() / seconds_of_ticks(1)).to_u32();
             let next = match (rate > S::ZERO, gap > S::ZERO) {
@@ -43,8 +43,8 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
                 (true, false) => latest.saturating_add(distance).saturating_add(1),
                 (false, _) => open,
             };
-            latest = if next > open && next < closed { next } else { open + (closed - open) / 2 };
-            attempts += 1;
+            latest = if next > open && next < closed { next } else { open.midpoint(closed) };
+            attempts = attempts.wrapping_add(1);
             let shorter = self.scene.step_set(latest);
             let mut attempt = trial;
             self.attempt(&shorter, pair, &mut attempt, excitation);
@@ -55,7 +55,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
                 open = latest;
             }
         }
-        work.locating += attempts;
+        work.locating = work.locating.wrapping_add(attempts);
         *pair.next = reached;
         self.take(pair, &trial, (set.ticks, set.step), observer, work)?;
         self.collide(pair.now, &reached, restitution, observer, work);
@@ -77,7 +77,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         if !(speed > S::ZERO) {
             return;
         }
-        work.events += 1;
+        work.events = work.events.wrapping_add(1);
         let holds = speed < S::from_f64(CLOSING_SPEED);
         let rebound = if holds { S::ZERO } else { restitution };
         let impulse = (S::ONE + rebound) * speed / self.scene.inverse_mass;

@@ -98,8 +98,8 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
     /// A draw that empties the storage within a step leaves a voltage of the size of the step's error, of either sign. The
     /// threshold is that of an empty storage then: below zero it would let both directions conduct at once.
     ///
-    /// After a rest the threshold falls faster than the voltage for an instant. Where the parabola of the margin stays above
-    /// zero, this is no approach to an event.
+    /// At a turn of the velocity the voltage rests while the leakage lowers the threshold. Until the guards are `armed`, a margin whose
+    /// parabola stays above zero does not approach an event.
     #[inline]
     fn begin_guards(
         &self,
@@ -116,7 +116,7 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>> Rectified<S, H, R> {
         [S::ONE, -S::ONE].map(|sign| {
             let value = threshold - sign * terminal.value + margin;
             let rate = -at.fall - sign * terminal.by_position * velocity;
-            let stays = !armed && rate * rate < -(sign + sign) * bend * value;
+            let stays = !armed && value > S::ZERO && rate * rate < -(sign + sign) * bend * value;
             Guard { value, rate: if stays && rate < S::ZERO { S::ZERO } else { rate } }
         })
     }
@@ -243,9 +243,9 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
     ) -> Guard<S> {
         let kind = self.guard_kind(mode, index);
         if let GuardKind::Harvester(index) = kind {
-            // Of the circuit only a release reads the charge.
-            let is_blocked = !self.harvester.is_stick(mode.inner);
-            let mode = if is_blocked { Mode { regime: BridgeRegime::Blocked, ..mode } } else { mode };
+            // The guards of a moving part read position and velocity, for which a blocked bridge needs no circuit; a release reads the charge.
+            let moves = !self.harvester.is_stick(mode.inner);
+            let mode = if moves { Mode { regime: BridgeRegime::Blocked, ..mode } } else { mode };
             let own_point = self.own_point(mode, &self.electrics(mode, &point.state), point);
             return self.harvester.guard(mode.inner, index, armed, &own_point, input);
         }
