@@ -183,16 +183,17 @@ const LOGARITHM_TERMS: u32 = 12;
 pub(crate) fn logarithm<S: Scalar>(x: S) -> S {
     let parts = x.decompose().filter(|parts| !parts.negative && parts.mantissa != 0);
     let Some(parts) = parts else { return S::from_f64(f64::NAN) };
-    let mut exponent = parts.exponent + 64 - parts.mantissa.leading_zeros().cast_signed();
-    let mut mantissa = x * S::power_of_two(-exponent);
+    let mut exponent =
+        parts.exponent.wrapping_add(64).wrapping_sub(parts.mantissa.leading_zeros().cast_signed());
+    let mut mantissa = x * S::power_of_two(exponent.wrapping_neg());
     if mantissa < S::from_f64(core::f64::consts::FRAC_1_SQRT_2) {
         mantissa += mantissa;
-        exponent -= 1;
+        exponent = exponent.wrapping_sub(1);
     }
     let z = (mantissa - S::ONE) / (mantissa + S::ONE);
     let square = z * z;
-    let series =
-        (1..LOGARITHM_TERMS).rev().fold(S::ZERO, |sum, n| square * (S::ONE / S::from_u32(2 * n + 1) + sum));
+    let term = |sum, n: u32| square * (S::ONE / S::from_u32(n << 1 | 1) + sum);
+    let series = (1..LOGARITHM_TERMS).rev().fold(S::ZERO, term);
     S::from_i32(exponent) * S::from_f64(core::f64::consts::LN_2) + S::from_f64(2.0) * (z + z * series)
 }
 

@@ -108,12 +108,12 @@ impl<S: Scalar, M: Mathematics<S>> Burst<S, M> {
 
     fn place(&self, at: Instant) -> Place {
         let Some(since) = at.ticks().checked_sub(self.start) else {
-            return Place { within: None, left: self.start - at.ticks() };
+            return Place { within: None, left: self.start.wrapping_sub(at.ticks()) };
         };
         let elapsed = since.checked_rem(self.period).unwrap_or(since);
         match self.length.checked_sub(elapsed) {
             Some(left) if left > 0 => Place { within: Some(elapsed), left },
-            _ => Place { within: None, left: self.period - elapsed },
+            _ => Place { within: None, left: self.period.wrapping_sub(elapsed) },
         }
     }
 

@@ -35,7 +35,7 @@ impl<'a, S: Scalar> SpectralDensity<'a, S> {
             value >= S::from_f64(bounds.lowest) && value <= S::from_f64(bounds.highest)
         };
         let mut last = S::ZERO;
-        for (index, &[frequency, density]) in points.iter().enumerate() {
+        for (index, &[frequency, density]) in (0..points.len()).zip(points) {
             let valid = within(frequency, DENSITY_FREQUENCY) && within(density, SPECTRAL_DENSITY);
             // In a narrower band rounding moves the lines.
             if !(valid && frequency >= last * S::from_f64(LEAST_QUOTIENT)) {

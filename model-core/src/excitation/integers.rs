@@ -30,12 +30,12 @@ pub(super) fn divide(numerator: u128, bits: u32, denominator: u128) -> u128 {
         return 0;
     }
     let (mut quotient, mut remainder) = (0_u128, 0_u128);
-    for place in (0..128 + bits).rev() {
-        let bit = if place >= bits { (numerator >> (place - bits)) & 1 } else { 0 };
+    for place in (0..bits.saturating_add(128)).rev() {
+        let bit = place.checked_sub(bits).map_or(0, |place| numerator.wrapping_shr(place) & 1);
         remainder = (remainder << 1) | bit;
         quotient <<= 1;
         if remainder >= denominator {
-            remainder -= denominator;
+            remainder = remainder.wrapping_sub(denominator);
             quotient |= 1;
         }
     }
@@ -66,7 +66,7 @@ pub(super) fn octaves(low: u128, high: u128) -> u64 {
 /// `2^x` in units of 2⁻⁶² for `x` in units of 2⁻⁶⁴: from 2⁶² to 2⁶³.
 pub(super) fn power_of_two(x: u64) -> u64 {
     let argument = upper_product(x, LN_2);
-    SERIES.iter().rev().fold(0, |sum, term| term + upper_product(sum, argument))
+    SERIES.iter().rev().fold(0, |sum, term| upper_product(sum, argument).wrapping_add(*term))
 }
 
 /// `number · ln 2`.

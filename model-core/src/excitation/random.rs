@@ -141,11 +141,12 @@ impl<S: Scalar> Band<S> {
         let ratio = divide(units(low)?.units(), 64 - KNOTS_LOG2, units(high)?.units());
         // The frequencies are in bounds, so their ratio is above 2⁻²⁷.
         let lowest = (ratio as u64).clamp(1 << 32, HIGHEST_TURNS);
-        let whole = lowest.leading_zeros() - HIGHEST_TURNS.leading_zeros();
-        let whole = if (lowest << whole) > HIGHEST_TURNS { whole - 1 } else { whole };
-        let octave = lowest << whole;
-        let rest = divide(u128::from(HIGHEST_TURNS - octave), 32, u128::from(octave)) as u64;
-        let length = (u64::from(whole) << 32) + rest;
+        let whole = lowest.leading_zeros().saturating_sub(HIGHEST_TURNS.leading_zeros());
+        let is_above = lowest.wrapping_shl(whole) > HIGHEST_TURNS;
+        let whole = whole.saturating_sub(u32::from(is_above));
+        let octave = lowest.wrapping_shl(whole);
+        let rest = divide(u128::from(HIGHEST_TURNS.wrapping_sub(octave)), 32, u128::from(octave)) as u64;
+        let length = (u64::from(whole) << 32).wrapping_add(rest);
         let width = (length << 24).checked_div(u64::from(lines)).unwrap_or(0);
         let octaves = fraction::<S>(width) * S::power_of_two(7);
         Ok(Self { lowest, per_half_turn: S::from_f64(0.5) * rate, width, octaves })
@@ -195,8 +196,8 @@ fn spline_factor<S: Scalar>(turns: u64) -> S {
     // `1 − z/3! + z²/5! − …` with `z = (πx)²`.
     let angle = fraction::<S>(turns) * S::from_f64(core::f64::consts::FRAC_PI_2);
     let square = angle * angle;
-    let factor =
-        (1..=7_u32).rev().fold(S::ONE, |sum, n| S::ONE - square / S::from_u32(2 * n * (2 * n + 1)) * sum);
+    let term = |sum, n: u32| S::ONE - square / S::from_u32((n << 1).wrapping_mul(n << 1 | 1)) * sum;
+    let factor = (1..=7_u32).rev().fold(S::ONE, term);
     let square = factor * factor;
     square * square * (square * square)
 }

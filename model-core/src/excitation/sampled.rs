@@ -56,9 +56,9 @@ impl<'a, S: Scalar> Sampled<'a, S> {
         };
         let at_or_rest = |index: usize| self.samples.get(index).copied().unwrap_or(S::ZERO);
         let left = at_or_rest(first);
-        let last = first + 1 >= self.samples.len();
-        match (last, wrapped) {
-            (false, _) => (left, at_or_rest(first + 1), theta),
+        let next = first.saturating_add(1);
+        match (next >= self.samples.len(), wrapped) {
+            (false, _) => (left, at_or_rest(next), theta),
             (true, Some(&start)) => (left, start, theta),
             // At and after the last sample the base is at rest.
             (true, None) => (S::ZERO, S::ZERO, theta),

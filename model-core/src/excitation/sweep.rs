@@ -77,7 +77,7 @@ const BEND: f64 = 1e-4;
 /// The product of a number below 2¹²⁷ with a fraction in units of 2⁻⁶⁴, at most 1, halved.
 fn half_product(number: u128, fraction: u128) -> u128 {
     let (upper, lower) = (number >> 32, number & 0xffff_ffff);
-    ((upper * fraction) >> 33) + ((lower * fraction) >> 65)
+    (upper.wrapping_mul(fraction) >> 33).wrapping_add(lower.wrapping_mul(fraction) >> 65)
 }
 
 impl<S: Scalar> Law<S> {
@@ -85,7 +85,7 @@ impl<S: Scalar> Law<S> {
     #[inline]
     fn part(&self, ticks: u64) -> u128 {
         let (Self::Linear { inverse, .. } | Self::Logarithmic { inverse, .. }) = self;
-        (u128::from(ticks) * *inverse) >> 63
+        inverse.wrapping_mul(ticks.into()) >> 63
     }
 
     /// The phase after so many ticks of the way up, in units of 2⁻⁶⁴ turns; and the angular frequency in rad/s.
@@ -93,13 +93,13 @@ impl<S: Scalar> Law<S> {
         let part = self.part(ticks);
         match *self {
             Self::Linear { low, rise, low_angular, rise_angular, .. } => {
-                let mean = low + half_product(rise, part);
+                let mean = half_product(rise, part).wrapping_add(low);
                 let way = S::from_fraction(i64::try_from(part >> 1).unwrap_or(i64::MAX));
                 let phase = mean.wrapping_mul(u128::from(ticks)) >> 32;
                 (phase as u64, low_angular + rise_angular * way)
             }
             Self::Logarithmic { octaves, cycles, low_angular, .. } => {
-                let elapsed = (u128::from(octaves) * part) >> 57;
+                let elapsed = part.wrapping_mul(octaves.into()) >> 57;
                 let (whole, power) = ((elapsed >> 64) as u32, power_of_two(elapsed as u64));
                 // `cycles · 2^passed` modulo a turn, less the phase at the lower end.
                 let scaled = cycles << whole.min(63);
@@ -150,14 +150,15 @@ impl<S: Scalar, M: Mathematics<S>> Sweep<S, M> {
         let law = match law {
             SweepLaw::Linear => {
                 let rise_angular = highest - low_angular;
-                Law::Linear { low, rise: high - low, low_angular, rise_angular, inverse }
+                Law::Linear { low, rise: high.wrapping_sub(low), low_angular, rise_angular, inverse }
             }
             SweepLaw::Logarithmic => {
                 let octaves = octaves(low, high);
                 let logarithm = times_ln_2(octaves);
                 // `low` is below 2⁷⁷, the length below 2⁵⁵: their product in two parts, in units of 2⁻⁶⁴ cycles.
                 let ticks = u128::from(length);
-                let all = (low >> 32) * ticks + (((low & 0xffff_ffff) * ticks) >> 32);
+                let lower = (low & 0xffff_ffff).wrapping_mul(ticks) >> 32;
+                let all = (low >> 32).wrapping_mul(ticks).wrapping_add(lower);
                 rate =
                     highest / seconds * S::from_fraction((logarithm >> 1).cast_signed()) * S::power_of_two(7);
                 Law::Logarithmic {
@@ -182,15 +183,15 @@ impl<S: Scalar, M: Mathematics<S>> Sweep<S, M> {
     /// The phase in units of 2⁻⁶⁴ turns and the angular frequency in rad/s; and the ticks until the next turn.
     fn place(&self, at: Instant) -> (u64, S, u64) {
         let ticks = at.ticks().wrapping_add(self.ahead);
-        let both = self.length + self.length;
+        let both = self.length.wrapping_mul(2);
         let before = ticks.checked_div(both).unwrap_or(0);
-        let within = ticks - before * both;
+        let within = ticks.wrapping_sub(before.wrapping_mul(both));
         let ways = self.way.wrapping_mul(before.wrapping_mul(2)).wrapping_add(self.start);
         if within < self.length {
             let (phase, frequency) = self.law.at(within);
-            return (ways.wrapping_add(phase), frequency, self.length - within);
+            return (ways.wrapping_add(phase), frequency, self.length.wrapping_sub(within));
         }
-        let left = both - within;
+        let left = both.wrapping_sub(within);
         let (phase, frequency) = self.law.at(left);
         (ways.wrapping_add(self.way.wrapping_mul(2)).wrapping_sub(phase), frequency, left)
     }

@@ -237,10 +237,10 @@ where
             (end.state[i], end.remainder[i]) = add_increment(end.state[i], end.remainder[i], increment);
             end.derivative[i] += missing * turn;
         }
-        for (i, energy) in (0..P).zip(&mut trial.energies) {
-            let turn = bend(*energy, start.powers[i], end.powers[i]);
-            *energy += missing * (end.powers[i] + half * turn);
-            end.powers[i] += missing * turn;
+        for ((energy, &from), to) in trial.energies.iter_mut().zip(&start.powers).zip(&mut end.powers) {
+            let turn = bend(*energy, from, *to);
+            *energy += missing * (*to + half * turn);
+            *to += missing * turn;
         }
         self.automaton.flow(self.mode).correct_energies(&start.state, &end.state, &mut trial.energies);
     }

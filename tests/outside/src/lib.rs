@@ -9,9 +9,14 @@ use firmware_example::node::{NoMeter, Part, World, cycle};
 use firmware_example::workload::{
     Progress, Workload, bump_stop, contact_separation, estimators, response_map, sliding,
 };
+use model_core::clock::Instant;
+use model_core::energy::PowerMeter;
+use model_core::excitation::{AnyExcitation, Burst, Random, SpectralDensity, Sweep, SweepLaw};
 use model_core::node::{
     Board, Capacitor, Converter, Fault, Regular, Runner, StorageParameters, Tolerances, VoltageParameters,
 };
+use model_core::scene::Harvester;
+use model_core::scene::bump_stop::{BumpStop, Choices, Restitution, Start, Stepper, Stop};
 
 unsafe extern "C" {
     safe fn a_panic_is_linked() -> !;
@@ -53,6 +58,41 @@ exported! {
     bump_stop_with_its_error: bump_stop::checked,
     scene_estimators: estimators::all,
     response_maps: response_map::all,
+}
+
+/// An excitation of each kind, of these numbers.
+fn excitation(kind: u32, numbers: &[f32; 4]) -> Option<AnyExcitation<'static, f32, 8>> {
+    let [amplitude, low, high, time] = *numbers;
+    Some(match kind {
+        0 => AnyExcitation::Burst(Burst::cycles(amplitude, low, 3).ok()?.every(time).ok()?),
+        1 => AnyExcitation::Burst(Burst::half_sine(amplitude, time).ok()?.starting_at(high).ok()?),
+        2 => AnyExcitation::Sweep(Sweep::new(amplitude, [low, high], time, SweepLaw::Logarithmic, 0.0).ok()?),
+        3 => AnyExcitation::Sweep(Sweep::new(amplitude, [low, high], time, SweepLaw::Linear, 0.0).ok()?),
+        _ => {
+            let points = [[low, amplitude], [high, amplitude]];
+            AnyExcitation::Random(Random::new(&SpectralDensity::new(&points).ok()?, 8, u64::from(kind)).ok()?)
+        }
+    })
+}
+
+fn impacts(kind: u32, numbers: &[f32; 4], coefficient: f32) -> Option<f32> {
+    let vibration = excitation(kind, numbers)?;
+    let Stop { length, section, young_modulus, density, position, gap, contact_compliance, .. } =
+        bump_stop::stop(bump_stop::GAP);
+    let contact = Restitution { coefficient };
+    let stop = Stop { length, section, young_modulus, density, position, gap, contact_compliance, contact };
+    let scene: BumpStop<f32, _, 4, 1> =
+        bump_stop::parameters(Choices::new(bump_stop::LOAD).stop(stop)).build().ok()?;
+    let stepper = Stepper::new(scene, bump_stop::SHORT, bump_stop::LONG).ok()?;
+    let mut state = stepper.start(&Start::default(), &vibration).ok()?;
+    let mut meter = PowerMeter::new();
+    stepper.advance(&mut state, &vibration, Instant::from_whole_seconds(2), 1000, &mut meter).ok()?;
+    Some(meter.mean_power())
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn bump_stop_with_impacts(kind: u32, numbers: &[f32; 4], coefficient: f32) -> f32 {
+    impacts(kind, numbers, coefficient).unwrap_or(f32::NAN)
 }
 
 #[unsafe(no_mangle)]
