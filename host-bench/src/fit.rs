@@ -76,6 +76,11 @@ pub(crate) fn fit(
         .iter()
         .map(|file| data::read(file, scene, request.resample_hz))
         .collect::<Result<_, _>>()?;
+    if let Some(rate) = request.resample_hz
+        && !data.iter().any(|data| matches!(data.rows, data::Rows::Trace { .. }))
+    {
+        return Err(Failure::Input(format!("--resample {rate}: must not be without a trace in --data")));
+    }
     let mut free = Vec::new();
     for asked in &request.free {
         free.push(free::of_key(request.file, request.overrides, asked)?);

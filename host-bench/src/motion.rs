@@ -193,7 +193,9 @@ pub(crate) fn picture(wanted: &Wanted<'_>, series: &[Series]) -> Result<Picture,
     }
     match (has(View::Spectrum).then(|| lines(wanted, series)).flatten(), charts.last_mut()) {
         // A spectrum of one line would be an empty panel.
-        (Some(spectrum), Some(last)) if !spectrum.note.is_empty() => last.note = spectrum.note,
+        (Some(spectrum), Some(last)) if !spectrum.note.is_empty() && last.note.is_empty() => {
+            last.note = spectrum.note
+        }
         (spectrum, _) => charts.extend(spectrum),
     }
     charts.extend(has(View::Phase).then(|| phase(wanted, series)).flatten());

@@ -72,7 +72,7 @@ fn truck(frequency: f64) -> f64 {
     0.015 * if frequency > 40.0 { libm::pow(frequency / 40.0, -2.0 / libm::log10(12.5)) } else { 1.0 }
 }
 
-/// One-sided spectral density in m²/s³ of IEC 60721-3-2, classes 2M1 and 2M2, of goods on wheels: even to 200 Hz and beyond.
+/// One-sided spectral density in m²/s³ of IEC 60721-3-2, classes 2M1 and 2M2, of goods on wheels: 1 to 200 Hz, and 0.3 above.
 fn rail(frequency: f64) -> f64 {
     if frequency > 200.0 { 0.3 } else { 1.0 }
 }

@@ -328,4 +328,5 @@ fn bad_data_and_keys_are_refused_with_their_place() {
     key("parameters.mass_kg=2:1", &["LOW = 2"]);
     key("parameters.mass_kg=1:2", &["parameters.mass_kg", "within 1:2"]);
     refused(&["fit", MEASURED, "--data", "/nowhere.csv"], &["/nowhere.csv", "cannot be read"]);
+    refused(&["fit", MEASURED, "--data", &data, "--resample", "100"], &["--resample 100", "without a trace"]);
 }

@@ -87,6 +87,7 @@ impl<S: Scalar> HostRestitution<S> {
     }
 }
 
+/// By the law alone: a comparison of functions says nothing.
 impl<S> PartialEq for HostRestitution<S> {
     fn eq(&self, other: &Self) -> bool {
         self.law == other.law

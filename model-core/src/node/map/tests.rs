@@ -363,3 +363,21 @@ fn parameters_are_refused_by_name() {
         assert!(text.starts_with(begin), "{text}");
     }
 }
+
+/// Bursts shorter than a beat see one or the other line, and the power between them contradicts both.
+#[test]
+fn vibration_that_beats_asks_for_no_more_bursts_than_checks() {
+    let words = map();
+    let parameters = with(|of| {
+        of.voltage.storage.capacitor.capacitance = 10e-3;
+        of.voltage.actions = [Regular { energy: 700e-6, every: 60 }];
+        of.bursts = Bursts { energy: 100e-6, worth: 1000.0, shortest: 60, check: 7200 };
+        (of.gain, of.gain_drift) = (0.05, 0.0005);
+    });
+    let beats = |second: u32| if (second / 20).wrapping_mul(2_654_435_761) >> 31 == 0 { LOW } else { HIGH };
+    let mut plant = Plant::new(node(&words, parameters), 3.0, |second| (beats(second), 14e-6));
+    while plant.second < 5 * 86_400 {
+        plant.run(plant.second + 1);
+    }
+    assert!((50..70).contains(&plant.state.bursts()), "{}", plant.state.bursts());
+}

@@ -59,11 +59,11 @@ fn a_resonance_that_has_moved_by_a_fiftieth_makes_the_map_doubtful_within_a_day(
             let hours: BTreeSet<u32> = alarms.iter().map(|(second, _)| second / 3600).collect();
             println!("{kind:?} × {resonance}: {} hours from {:?} on", hours.len(), alarms.first());
             if resonance == 1.0 {
-                assert!(100 * hours.len() <= 24 * (days + 1), "{hours:?}");
+                assert!(hours.is_empty(), "{hours:?}");
                 continue;
             }
             let (second, [gain, bound]) = alarms[0];
-            assert!((86_400..2 * 86_400).contains(&second), "{second} s");
+            assert!((86_400..86_400 + 2 * 3600).contains(&second), "{second} s");
             let minute = second as usize / 60 - 6;
             let truth = minutes[minute] / line.minutes[minute % line.minutes.len()];
             assert!((gain - truth).abs() <= bound && (gain - 1.0).abs() > bound, "{gain} ± {bound}: {truth}");
