@@ -200,20 +200,14 @@ impl NodeDay {
     /// wish is met to a hundredth: decisions fall between its periods, and a day begins and ends within one.
     fn verdict(&self) -> String {
         let [runs, wished] = self.runs();
-        let is_met =
-            |part: f64| self.actions.iter().all(|one| f64::from(one.runs) + 1.0 >= part * one.wished);
+        let is_met = self.actions.iter().all(|one| f64::from(one.runs) + 1.0 >= 0.99 * one.wished);
         let storage = match self.smallest_capacitance_f {
             Some(smallest) => {
                 format!("the smallest storage that sustains all of them has {}", with_unit(smallest, "F"))
             }
             None => "no capacitance is known that sustains all of them".to_owned(),
         };
-        let word = match [0.99, 1.0].map(is_met) {
-            [_, true] => "met",
-            [true, _] => "met to a hundredth",
-            _ => "not met",
-        };
-        let lockouts = self.account.lockouts;
+        let (word, lockouts) = (if is_met { "met" } else { "not met" }, self.account.lockouts);
         format!("wishes {word}: {runs:.0} of {wished:.0} runs, {lockouts} lock-outs; {storage}")
     }
 

@@ -331,7 +331,10 @@ fn a_verdict_says_whether_all_wishes_are_met_and_by_which_storage() {
     let verdict = |day: &Value| day["verdict"].as_str().expect("a sentence").to_owned();
     let (small, large) = (day("0.02"), day("3"));
     let near = verdict(&day("0.586"));
-    assert!(near.starts_with("wishes met to a hundredth: 19") && near.contains(" has 592.9"), "{near}");
+    assert!(
+        near.starts_with("wishes met: 19") && near.contains(" of 1920 runs") && near.contains(" has 592.9"),
+        "{near}"
+    );
     let smallest = number(&small, "capacitance_for_wishes_f");
     assert!(
         verdict(&small).starts_with("wishes not met: ") && !verdict(&small).contains(" 0 lock-outs"),
