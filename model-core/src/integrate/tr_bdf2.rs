@@ -89,6 +89,20 @@ impl<S: Scalar, Y, F, const N: usize, const P: usize> Stage<'_, S, Y, F, N, P> {
     }
 }
 
+/// The point after `increment`, with the rates `derivative` and the powers of the start.
+#[inline]
+fn advanced<S: Scalar, const N: usize, const P: usize>(
+    start: &Point<S, N, P>,
+    derivative: [S; N],
+    increment: [S; N],
+) -> Point<S, N, P> {
+    let mut end = Point { derivative, ..*start };
+    for ((state, remainder), increment) in end.state.iter_mut().zip(&mut end.remainder).zip(increment) {
+        (*state, *remainder) = add_increment(*state, *remainder, increment);
+    }
+    end
+}
+
 /// The input at the intermediate stage: in a short step between two ticks, because a motion that starts from rest resolves
 /// less than a tick of its excitation.
 #[inline]
@@ -141,12 +155,7 @@ impl<S: Scalar> Method<S> for TrBdf2 {
 
         let per_weight = S::ONE / weight;
         let derivative_of = |z: &[S; N]| -> [S; N] { z.map(|z| z * per_weight) };
-        let mut end = Point { derivative: derivative_of(&z_end), ..*start };
-        for ((state, remainder), increment) in
-            end.state.iter_mut().zip(&mut end.remainder).zip(sum(&carried, &z_end))
-        {
-            (*state, *remainder) = add_increment(*state, *remainder, increment);
-        }
+        let mut end = advanced(start, derivative_of(&z_end), sum(&carried, &z_end));
         end.powers = system.powers(&end.state, &end.derivative, end_input);
 
         let middle_state = sum(&start.state, &sum(&z_start, &z_middle));

@@ -11,6 +11,9 @@ use crate::hybrid::{StepError, Work};
 use crate::observer::{ALL_POWERS, Event, Observer, PowerIndex};
 use crate::scalar::Scalar;
 
+/// Ratio of the gap to the drift above which the drift is removed.
+const OPENED: f64 = 16.0;
+
 /// Impact speed in m/s below which an impact closes the contact.
 const CLOSING_SPEED: f64 = 1e-5;
 
@@ -111,6 +114,15 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
         if state.gap > S::ZERO {
             state.drift += state.gap;
             state.gap = S::ZERO;
+        }
+    }
+
+    /// Moves the rod's face back by the drift once the gap is open.
+    #[inline]
+    pub(super) fn remove_drift(state: &mut StateOf<S, P, B, R>) {
+        if state.drift > S::ZERO && state.gap < -S::from_f64(OPENED) * state.drift {
+            state.gap += state.drift;
+            state.drift = S::ZERO;
         }
     }
 }

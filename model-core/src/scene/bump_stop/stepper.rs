@@ -24,9 +24,6 @@ pub(super) const LEAST_BUDGET: u32 = LEVELS as u32 + 1 + MOST_LOCATING;
 /// Most attempts to locate an impact: bisection of 2³² ticks.
 pub(super) const MOST_LOCATING: u32 = 40;
 
-/// Ratio of the gap to the drift above which the drift is removed.
-const OPENED: f64 = 16.0;
-
 /// Number of step lengths. A fifth saves 7 % of the steps and 1 % of the instructions.
 pub(super) const LEVELS: usize = 4;
 
@@ -394,11 +391,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         observer.step(&accepted);
         pair.swap();
         if let ContactKind::Impulsive { .. } = self.scene.contact.kind() {
-            let state = &mut *pair.now;
-            if state.drift > S::ZERO && state.gap < -S::from_f64(OPENED) * state.drift {
-                state.gap += state.drift;
-                state.drift = S::ZERO;
-            }
+            BumpStop::<S, P, B, R>::remove_drift(pair.now);
         }
         work.steps = work.steps.wrapping_add(1);
         Ok(())

@@ -69,7 +69,7 @@ impl<S: Scalar, C> Parameters<S, C> {
             }
             Resistance::Short | Resistance::Open => dielectric_energy,
         };
-        let scene = ContactSeparation {
+        ContactSeparation {
             mass: self.mass,
             stiffness: self.stiffness,
             initial_gap: self.initial_gap,
@@ -91,16 +91,8 @@ impl<S: Scalar, C> Parameters<S, C> {
             force_law,
             restitution,
             sticking,
-        };
-        // The bounds above allow combinations that overflow single precision.
-        for (field, value) in [
-            ("1 / (permittivity * electrode area * resistance)", scene.circuit_rate),
-            ("parasitic capacitance / (permittivity * electrode area)", scene.parasitic),
-            ("charge density * sqrt(electrode area / (2 permittivity * mass))", scene.tribo_charge),
-        ] {
-            Bounds::new(0.0, 1e34).check(field, value)?;
         }
-        Ok(scene)
+        .check_range()
     }
 
     fn check(&self) -> Result<(), ParameterError<S>>
@@ -112,5 +104,19 @@ impl<S: Scalar, C> Parameters<S, C> {
         parasitic.check()?;
         load.resistance().check()?;
         restitution.check()
+    }
+}
+
+impl<S: Scalar, C: Parts<S>> ContactSeparation<S, C> {
+    /// Refuses what overflows single precision: the bounds of the single parameters allow such combinations.
+    fn check_range(self) -> Result<Self, ParameterError<S>> {
+        for (field, value) in [
+            ("1 / (permittivity * electrode area * resistance)", self.circuit_rate),
+            ("parasitic capacitance / (permittivity * electrode area)", self.parasitic),
+            ("charge density * sqrt(electrode area / (2 permittivity * mass))", self.tribo_charge),
+        ] {
+            Bounds::new(0.0, 1e34).check(field, value)?;
+        }
+        Ok(self)
     }
 }
