@@ -1,9 +1,9 @@
-//! What the tables of the keys say, as text: for people, as a page, as JSON, and as a schema for editors.
+//! What the tables of the keys say, as text for people, as rows, and as a schema for editors.
 
 mod page;
 mod schema;
 
-pub use self::page::{markdown, text};
+pub use self::page::text;
 pub use self::schema::schema;
 
 use crate::scene_file::KEYS;

@@ -8,6 +8,7 @@ use super::files::Outputs;
 use super::{json_text, note, print};
 use crate::method::Failure;
 use crate::outcome::{WIDTH, folded};
+use crate::rows::Rows;
 use crate::scene_file::{TEMPLATES, template};
 use harvester_scene::keys;
 
@@ -17,8 +18,8 @@ enum KeysFormat {
     /// Text for people.
     #[default]
     Table,
-    /// The page docs/keys.md.
-    Markdown,
+    /// A row for each key, as in docs/keys.csv.
+    Csv,
     /// A list of objects, one for each key.
     Json,
     /// JSON Schema (draft 7) of all scene files, for editors.
@@ -40,7 +41,7 @@ pub(super) fn run(arguments: &KeysArguments) -> Result<(), Failure> {
     let scene = arguments.scene.as_deref();
     match arguments.format {
         KeysFormat::Table => print(&keys::text(scene)),
-        KeysFormat::Markdown => print(&keys::markdown(scene)),
+        KeysFormat::Csv => print(&Rows::of(&keys::rows(scene)).csv().replace('`', "")),
         KeysFormat::Json => print(&json_text(&keys::rows(scene))?),
         KeysFormat::Schema if scene.is_some() => {
             Err(Failure::Input("--format schema: is of all scenes, must be without SCENE".to_owned()))

@@ -18,6 +18,8 @@ fn keys_are_printed_in_each_format() {
     };
     let damping = of("bump-stop", "damping_ratio");
     assert_eq!((&damping["lowest"], &damping["highest"]), (&0.0.into(), &0.9.into()));
+    let stored = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/keys.csv"));
+    assert_eq!(stored.ok(), Some(accepted(&["keys", "--format", "csv"])), "the printed is the stored");
     let schema: serde_json::Value =
         serde_json::from_str(&accepted(&["keys", "--format", "schema"])).expect("an object");
     assert_eq!(schema["oneOf"].as_array().map(Vec::len), Some(3));

@@ -1,8 +1,7 @@
-//! The keys of scene files as a page, and for a terminal.
+//! The keys of scene files for a terminal.
 
 use super::{Row, rows};
 use crate::outcome::folded;
-use crate::scene_file::KEYS;
 
 /// A table of the file with its rows.
 struct Part {
@@ -42,43 +41,6 @@ fn title(first: &Row, table: Option<&Row>) -> String {
         "required" => format!("{name}{of}"),
         default => format!("{name}{of}, optional: {default}"),
     }
-}
-
-/// The page `docs/keys.md`, of one scene or of all.
-pub fn markdown(scene: Option<&str>) -> String {
-    let mut page = String::from(
-        "# Keys of scene files\n\nEvery key with its unit, its bounds (ends included), its default and its meaning, as the \
-         reader checks\nthem. What the keys do is in [scene-files.md](scene-files.md). This page is what `cargo run \
-         --release -- keys\n--format markdown` prints.\n",
-    );
-    let kinds = KEYS.kinds.iter().filter(|kind| scene.is_none_or(|scene| scene == kind.word));
-    for kind in kinds {
-        page += &format!("\n* `scene = \"{}\"`: {}.", kind.word, kind.meaning);
-    }
-    page.push('\n');
-    for part in parts(scene) {
-        page += &format!("\n## {}\n\n", part.title);
-        if !part.note.is_empty() {
-            page += &format!("{}.\n\n", part.note);
-        }
-        let has_kinds = part.rows.iter().any(|row| row.kind.is_some());
-        let (head, rule) = if has_kinds { ("| kind ", "| --- ") } else { ("", "") };
-        page += &format!(
-            "{head}| key | unit | bounds | default | meaning |\n{rule}| --- | --- | --- | --- | --- |\n"
-        );
-        for row in &part.rows {
-            let kind = match (has_kinds, row.kind) {
-                (true, Some(kind)) => format!("| `\"{kind}\"` "),
-                (true, None) => "| ".to_owned(),
-                (false, _) => String::new(),
-            };
-            let Row { key, unit, bounds, default, meaning, .. } = row;
-            // A vertical bar would end the cell.
-            let meaning = meaning.replace('|', "\\|");
-            page += &format!("{kind}| `{key}` | {unit} | {bounds} | {default} | {meaning} |\n");
-        }
-    }
-    page
 }
 
 /// The keys for a terminal, of one scene or of all.
