@@ -4,16 +4,13 @@ mod physics;
 
 use std::f64::consts::TAU;
 
-use diffsol::error::DiffsolError;
-
 use super::triboelectric::{
     CircuitKind, Counts, Dense, ElectricalPort, Guards, Harvester, Jump, LoadCircuit, Mode, Motion, Sample,
-    Scales,
+    Scales, crossing,
 };
 use harvester_scene::outcome::{
     CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Particular, with_store,
 };
-use harvester_scene::root::far_side;
 use harvester_scene::scene_file::ForceLaw;
 
 pub(super) use physics::Physics as ContactSeparation;
@@ -205,7 +202,7 @@ pub(crate) struct Impact;
 ///
 /// A flight that starts at closed gap without velocity is a release: gap, velocity and acceleration are all
 /// zero, so no impact is looked for until the mass has left.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct ImpactSearch {
     /// Gap in m that counts as closed at a release.
     clearance: f64,
@@ -227,20 +224,19 @@ impl Guards for ImpactSearch {
         motion: &Dense<'_, Motion>,
         (begin, before): Sample,
         (end, after): Sample,
-    ) -> Result<Option<(f64, Impact)>, DiffsolError> {
+    ) -> Option<(f64, Impact)> {
         if !self.has_left {
             self.has_left = after.velocity > 0.0 && after.position > self.clearance;
             let pressed_back = after.position < -self.clearance;
-            return Ok(pressed_back.then_some((end, Impact)));
+            return pressed_back.then_some((end, Impact));
         }
         if after.position > 0.0 || after.position >= before.position {
-            return Ok(None);
+            return None;
         }
         if before.position <= 0.0 {
-            return Ok(Some((begin, Impact)));
+            return Some((begin, Impact));
         }
-        let hit = far_side(|t| Ok::<_, DiffsolError>(motion(t)?.position), begin, end)?;
-        Ok(Some((hit, Impact)))
+        Some((crossing(|t| motion(t).position, begin, end), Impact))
     }
 }
 

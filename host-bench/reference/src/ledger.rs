@@ -1,7 +1,6 @@
 //! The integrals over a run, and the energy ledger made of them.
 
 use cpu_time::ThreadTime;
-use diffsol::ode_solver::OdeSolverStatistics;
 
 use super::schedule::Recorder;
 use super::storage::Storage;
@@ -117,16 +116,6 @@ pub(super) struct Effort {
     pub(super) steps: u64,
     pub(super) rejected: u64,
     pub(super) newton_iterations: u64,
-}
-
-impl Effort {
-    /// Adds the work on one flow.
-    pub(super) fn add(&mut self, work: &OdeSolverStatistics) {
-        let rejected = work.number_of_error_test_failures + work.number_of_nonlinear_solver_fails;
-        self.steps += work.number_of_steps as u64;
-        self.rejected += rejected as u64;
-        self.newton_iterations += work.number_of_nonlinear_solver_iterations as u64;
-    }
 }
 
 /// The sums at the end of a run.

@@ -6,15 +6,12 @@ mod physics;
 
 use std::f64::consts::TAU;
 
-use diffsol::error::DiffsolError;
-
 use super::ledger::{Integrals, integral};
 use super::triboelectric::{
     Branch, CircuitKind, Counts, Dense, ElectricalPort, Guards, Harvester, Jump, LoadCircuit, Mode, Motion,
-    Sample, Scales,
+    Sample, Scales, crossing,
 };
 use harvester_scene::outcome::{Particular, SLIDING_COLUMNS, SlidingOutcome, with_store};
-use harvester_scene::root::far_side;
 use harvester_scene::scene_file::ForceLaw;
 
 pub(super) use physics::Physics as Sliding;
@@ -257,7 +254,7 @@ pub(crate) enum SlipEvent {
 ///
 /// A slip begins without velocity after a stop, and in the middle after passing it: the search ignores an event
 /// at the place where the slip began until the slider has left that place.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct SlipGuards {
     branch: Branch,
     /// Displacement in m at which the overlap ends.
@@ -288,16 +285,16 @@ impl Guards for SlipGuards {
     type Event = SlipEvent;
 
     /// Cuts at the changes of sign of the acceleration: the velocity is monotone in every piece.
-    fn cuts(&self, acceleration: &Dense<'_, f64>, from: f64, to: f64) -> Result<Vec<f64>, DiffsolError> {
+    fn cuts(&self, acceleration: &Dense<'_, f64>, from: f64, to: f64) -> Vec<f64> {
         let middle = from + 0.5 * (to - from);
         let mut cuts = Vec::new();
         for [left, right] in [[from, middle], [middle, to]] {
-            if (acceleration(left)? > 0.0) != (acceleration(right)? > 0.0) {
-                cuts.push(far_side(acceleration, left, right)?);
+            if (acceleration(left) > 0.0) != (acceleration(right) > 0.0) {
+                cuts.push(crossing(acceleration, left, right));
             }
             cuts.push(right);
         }
-        Ok(cuts)
+        cuts
     }
 
     fn event(
@@ -305,33 +302,31 @@ impl Guards for SlipGuards {
         motion: &Dense<'_, Motion>,
         (begin, _): Sample,
         (end, after): Sample,
-    ) -> Result<Option<(f64, SlipEvent)>, DiffsolError> {
+    ) -> Option<(f64, SlipEvent)> {
         let ([displacement, velocity], reach) = (self.clearance, self.reach);
         let Branch { direction, side } = self.branch;
-        let crossing = |value: &dyn Fn(&Motion) -> f64| {
-            far_side(|t| Ok::<_, DiffsolError>(value(&motion(t)?)), begin, end)
-        };
+        let crossing = |value: &dyn Fn(&Motion) -> f64| crossing(|t| value(&motion(t)), begin, end);
         let away = side * after.position;
         let place = if away >= reach {
-            Some((crossing(&|motion| side * motion.position - reach)?, SlipEvent::End))
+            Some((crossing(&|motion| side * motion.position - reach), SlipEvent::End))
         } else if self.has_left_middle && away <= 0.0 {
-            Some((crossing(&|motion| side * motion.position)?, SlipEvent::Middle))
+            Some((crossing(&|motion| side * motion.position), SlipEvent::Middle))
         } else {
             // A slider that left to the other side has passed the middle.
             (!self.has_left_middle && away < -displacement).then_some((end, SlipEvent::Middle))
         };
         let onward = direction * after.velocity;
         let rest = if self.has_left_rest && onward <= 0.0 {
-            Some((crossing(&|motion| direction * motion.velocity)?, SlipEvent::Stop))
+            Some((crossing(&|motion| direction * motion.velocity), SlipEvent::Stop))
         } else {
             // A slider that is driven back before it has begun to move has stopped.
             (!self.has_left_rest && onward < -velocity).then_some((end, SlipEvent::Stop))
         };
         self.arm(&after);
-        Ok(match (place, rest) {
+        match (place, rest) {
             (Some(place), Some(rest)) if rest.0 < place.0 => Some(rest),
             (place, rest) => place.or(rest),
-        })
+        }
     }
 }
 

@@ -4,17 +4,19 @@ mod bridge;
 mod flow;
 mod harvester;
 mod meter;
+mod radau;
 mod stick;
 
 use cpu_time::ThreadTime;
 
-pub(crate) use self::bridge::ElectricalPort;
-use self::flow::{Event, Flow, Reason};
+pub(crate) use self::bridge::{ElectricalPort, crossing};
+use self::flow::{Event, Flow};
 pub(crate) use self::harvester::{
     Branch, CircuitKind, Counts, Dense, Guards, Harvester, Jump, LoadCircuit, Mode, Motion, Sample, Scales,
     VACUUM_PERMITTIVITY,
 };
 use self::meter::Meter;
+use self::radau::Reason;
 pub(crate) use self::stick::Stick;
 use super::ledger::Effort;
 use super::schedule::{Schedule, Stretch};

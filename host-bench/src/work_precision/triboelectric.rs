@@ -97,7 +97,7 @@ pub(crate) fn method_name(variant: &Variant) -> &'static str {
         (Method::DiscreteGradient, _) => "discrete gradient",
         (Method::Newmark, _) => "Newmark",
         (Method::Reference, Control::Default) => "reference",
-        (Method::Reference, _) => "diffsol BDF (std)",
+        (Method::Reference, _) => "Radau5 (std)",
     }
 }
 

@@ -14,12 +14,18 @@
 //! bridge shares the charge at once. A bus is a storage with `1/C_s = 0`. The state of the storage is the voltage gained since the
 //! start, so that a large storage does not lose the charge of one cycle in rounding.
 
-use diffsol::error::DiffsolError;
+use std::convert::Infallible;
 
 use crate::ledger::{Integrals, integral};
 use crate::storage::Storage;
 use harvester_scene::root::far_side;
 use harvester_scene::scene_file::Draw;
+
+/// The zero between two local times of a value that has opposite signs there, on the side of the second.
+pub(crate) fn crossing(value: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
+    let Ok(at) = far_side(|t| Ok::<_, Infallible>(value(t)), from, to);
+    at
+}
 
 /// State of a bridge and of the storage; not used without a bridge.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -248,7 +254,7 @@ impl Storage {
     }
 }
 
-/// The search for the end of a regime on the dense output of the integrator.
+/// The search for the end of a regime on the polynomials of the integrator.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SwitchSearch<'a> {
     storage: &'a Storage,
@@ -277,8 +283,8 @@ impl<'a> SwitchSearch<'a> {
         from: f64,
         to: f64,
         turns: &[f64],
-        at: &dyn Fn(f64) -> Result<(ElectricalPort, Bridge), DiffsolError>,
-    ) -> Result<Option<(f64, Switch)>, DiffsolError> {
+        at: &dyn Fn(f64) -> (ElectricalPort, Bridge),
+    ) -> Option<(f64, Switch)> {
         let mut instants = vec![from, from + 0.5 * (to - from), to];
         instants.extend(turns.iter().copied().filter(|turn| *turn > from && *turn < to));
         instants.sort_by(f64::total_cmp);
@@ -286,7 +292,7 @@ impl<'a> SwitchSearch<'a> {
         for pair in instants.windows(2) {
             let mut first: Option<(f64, Switch)> = None;
             for switch in storage.switches(&bridge) {
-                let crossing = self.crossing(switch, pair[0], pair[1], at)?;
+                let crossing = self.crossing(switch, pair[0], pair[1], at);
                 if let Some(crossing) = crossing
                     && first.is_none_or(|(earlier, _)| crossing < earlier)
                 {
@@ -294,10 +300,10 @@ impl<'a> SwitchSearch<'a> {
                 }
             }
             if first.is_some() {
-                return Ok(first);
+                return first;
             }
         }
-        Ok(None)
+        None
     }
 
     /// The local time at which the guard of a switch has risen through zero between two instants.
@@ -306,27 +312,27 @@ impl<'a> SwitchSearch<'a> {
         switch: Switch,
         from: f64,
         to: f64,
-        at: &dyn Fn(f64) -> Result<(ElectricalPort, Bridge), DiffsolError>,
-    ) -> Result<Option<f64>, DiffsolError> {
+        at: &dyn Fn(f64) -> (ElectricalPort, Bridge),
+    ) -> Option<f64> {
         let latch = match switch {
             Switch::Conducts { sign } => Some(usize::from(sign < 0.0)),
             _ => None,
         };
         let floor = latch.and_then(|latch| self.latched[latch]).unwrap_or(0.0);
         let guard = |t: f64| {
-            let (port, bridge) = at(t)?;
-            Ok(self.storage.guard(switch, &port, &bridge) - floor)
+            let (port, bridge) = at(t);
+            self.storage.guard(switch, &port, &bridge) - floor
         };
-        let end = guard(to)?;
+        let end = guard(to);
         if end > 0.0 {
-            return far_side(guard, from, to).map(Some);
+            return Some(crossing(guard, from, to));
         }
         if end < -2.0 * floor
             && let Some(latch) = latch
         {
             self.latched[latch] = None;
         }
-        Ok(None)
+        None
     }
 }
 

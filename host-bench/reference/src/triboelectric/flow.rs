@@ -1,43 +1,41 @@
-//! Flow between events: diffsol's BDF, with the events located on its dense output.
+//! Flow between events: steps of Radau IIA, with the events located on their polynomials.
 //!
-//! Local time starts at zero with each flow. The root finder of the crate is not used, because it takes a zero
-//! at the start of a flow for an event. Instead each accepted step is cut where the velocity changes sign. The
+//! Local time starts at zero with each flow. Each accepted step is cut where the velocity changes sign. The
 //! position is then monotone in every piece, so a short hop or a graze inside one step is found too.
+//!
+//! The polynomial of a step has order 3, and its end order 5. So a step with an event in it is taken again: first up to shortly before the
+//! event, then a short one over it, whose polynomial is exact to rounding, and last one that ends at the event.
 
-use diffsol::error::DiffsolError;
-use diffsol::{
-    NalgebraContext, NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquationsImplicit, OdeSolverMethod,
-    OdeSolverProblem, OdeSolverStopReason,
-};
+use std::cell::RefCell;
 
-use super::bridge::{Switch, SwitchSearch, earlier};
+use super::bridge::{Switch, SwitchSearch, crossing, earlier};
 use super::harvester::{Dense, Guards, Harvester, Motion, Sample, Scales, SceneEvent};
-use crate::ledger::{Effort, Integrals};
+use super::radau::{Arc, Integrator, Reason};
+use crate::ledger::{Effort, Integrals, add};
 use harvester_scene::base_motion::LocalBase;
-use harvester_scene::root::far_side;
 
-/// Failures of the Newton iteration that one step may have.
-const MOST_FAILURES: usize = 50;
+/// Length of the step over an event, as a part of the step in which it was found.
+const FINE: f64 = 2e-3;
 
 /// Steps within which a flow must make progress.
-const STALL: usize = 100_000;
-
-/// Absolute tolerance over the relative tolerance of a quantity of its full size. The voltage between its
-/// peaks, the speed of a small hop and a creeping motion need it small.
-const ABSOLUTE: f64 = 1e-2;
+const STALL: u64 = 100_000;
 
 /// One accepted step, or the part of it before an event.
 pub(crate) struct Step<'a> {
-    /// Local start in s.
-    pub(crate) from: f64,
-    /// Local end in s.
-    pub(crate) to: f64,
+    /// Local start in s and the motion there.
+    pub(crate) start: Sample,
+    /// Local end in s and the motion there.
+    pub(crate) end: Sample,
     /// Local times between the ends at which the velocity changes sign.
     pub(crate) turns: Vec<f64>,
-    /// Motion at a local time between the ends.
+    /// Motion at a local time between the ends, by the polynomial of the step.
     pub(crate) motion: &'a Dense<'a, Motion>,
-    /// Integrals since the start of the flow, at a local time between the ends.
-    pub(crate) integrals: &'a Dense<'a, Integrals>,
+    /// Rate in V/s of the voltage where it is a state, by the polynomial.
+    pub(crate) voltage_rate: &'a Dense<'a, f64>,
+    /// Motion at a local time between the ends, by a step to it.
+    pub(crate) exact: &'a dyn Fn(f64) -> Result<Motion, Reason>,
+    /// Integrals over the step.
+    pub(crate) integrals: Integrals,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -51,16 +49,8 @@ pub(crate) enum Event<E> {
 /// The integrals over a flow and the event that ended it, if the time was not up.
 pub(crate) type FlowEnd<H> = (Integrals, Option<Event<SceneEvent<H>>>);
 
-#[derive(Debug)]
-pub(crate) struct Reason(pub(crate) String);
-
-impl From<DiffsolError> for Reason {
-    /// The first line of the error; times in it are local.
-    fn from(error: DiffsolError) -> Self {
-        let text = error.to_string();
-        Self(format!("integrator, in local time: {}", text.lines().next().unwrap_or("failed")))
-    }
-}
+/// An event with its local time in s.
+type Found<H> = Option<(f64, Event<SceneEvent<H>>)>;
 
 /// A flow from local time zero on.
 #[derive(Debug, Clone, Copy)]
@@ -73,7 +63,56 @@ pub(crate) struct Flow<'a, H> {
     pub(crate) tolerance: f64,
 }
 
-impl<H: Harvester> Flow<'_, H> {
+/// Where the next steps of a flow end.
+#[derive(Debug, Clone, Copy)]
+struct Pace {
+    /// Length in s of the next step by its error; 0 at the start of a flow.
+    next: f64,
+    /// Local time in s shortly before an event.
+    aim: f64,
+    /// Length in s of the step over that event.
+    fine: f64,
+    /// Longest step in s.
+    longest: f64,
+}
+
+impl Pace {
+    fn new(base: &LocalBase) -> Self {
+        // The base keeps its polynomials of two such spans; without a frequency it has none.
+        let longest = 1.0 / (8.0 * base.highest_frequency());
+        Self { next: 0.0, aim: f64::INFINITY, fine: 0.0, longest }
+    }
+
+    /// Length of the next step in s, and the longest one.
+    fn lengths(&self, from: f64, span: f64) -> [f64; 2] {
+        let event = if from + 0.25 * self.fine < self.aim { self.aim - from } else { self.fine };
+        [self.next, event.min(span - from).min(self.longest)]
+    }
+
+    /// Whether a step is too long for the event in it at a local time; the next ones lead up to that event.
+    fn is_too_long(&mut self, arc: &Arc, event: f64) -> bool {
+        let length = arc.to - arc.from;
+        if length <= (1.5 * self.fine).max(64.0 * f64::EPSILON * arc.to) {
+            return false;
+        }
+        if self.fine == 0.0 {
+            self.fine = FINE * length;
+        }
+        self.aim = event - 0.5 * self.fine;
+        true
+    }
+
+    /// Goes on after a step without an event.
+    fn advance(&mut self, arc: &Arc) {
+        self.next = arc.next;
+        // The event that the polynomial of a longer step had was none.
+        if arc.from + self.fine >= self.aim {
+            self.aim = f64::INFINITY;
+        }
+    }
+}
+
+impl<'a, H: Harvester> Flow<'a, H> {
     /// Flows for `span` seconds or until an event, and shows each step to `watch`. Gives the integrals over the
     /// flow and the event; `last` is the motion at the end, or the last good one.
     pub(crate) fn run(
@@ -81,193 +120,111 @@ impl<H: Harvester> Flow<'_, H> {
         span: f64,
         effort: &mut Effort,
         last: &mut Sample,
-        watch: &mut dyn FnMut(&Step<'_>) -> Result<(), DiffsolError>,
+        watch: &mut dyn FnMut(&Step<'_>) -> Result<(), Reason>,
     ) -> Result<FlowEnd<H>, Reason> {
-        let problem = problem(self.harvester, self.base, self.start, self.tolerance, self.sizes())?;
-        let mut solver = problem.bdf::<NalgebraLU<f64>>()?;
-        // The first step after an impact on a tiny load is tiny.
-        solver.config_mut().minimum_timestep = 1e-30;
-        solver.set_stop_time(span)?;
-        let mut search = Search::new(self);
-        let mut checked = (0, 0.0);
+        let integrator =
+            Integrator::new(self.harvester, self.base, self.start, (self.scales, self.tolerance));
+        let (mut search, mut sums, mut pace) = (self.search(), Integrals::default(), Pace::new(self.base));
+        let mut checked = (effort.steps, 0.0);
         loop {
-            // The crate counts the failures of a whole flow; the limit is meant for one step.
-            let failures = solver.get_statistics().number_of_nonlinear_solver_fails;
-            solver.config_mut().maximum_newton_fails = failures + MOST_FAILURES;
-            let finished = matches!(solver.step()?, OdeSolverStopReason::TstopReached);
-            let motion = |t: f64| Ok(self.start.with(solver.interpolate(t)?.batch_as_slice(0)));
-            let integrals = |t: f64| Ok(integrals_of(solver.interpolate_out(t)?.batch_as_slice(0)));
-            let (from, to) = (last.0, solver.state().t);
-            let mut step = Step { from, to, turns: Vec::new(), motion: &motion, integrals: &integrals };
-            let event = search.cut(&mut step)?;
-            watch(&step)?;
-            *last = (step.to, motion(step.to)?);
-            let (elapsed, motion) = *last;
-            if !self.harvester.is_in_range(&motion) {
-                return Err(Reason("the motion left the model".to_owned()));
-            }
-            let statistics = solver.get_statistics();
-            if statistics.number_of_steps > checked.0 + STALL {
-                if elapsed - checked.1 < H::LEAST_PROGRESS * self.scales.time {
+            if effort.steps > checked.0 + STALL {
+                if last.0 - checked.1 < H::LEAST_PROGRESS * self.scales.time {
                     return Err(Reason(format!("stalled: {STALL} steps without progress")));
                 }
-                checked = (statistics.number_of_steps, elapsed);
+                checked = (effort.steps, last.0);
             }
-            if event.is_some() || finished {
-                effort.add(statistics);
-                return Ok((integrals(step.to)?, event));
+            let arc = integrator.step(last, pace.lengths(last.0, span), &sums, effort)?;
+            let motion = |t: f64| self.start.with(&arc.at(t)[0]);
+            let mut searched = search;
+            let (turns, event) = self.cut(&mut searched, &arc, &motion);
+            if event.is_some_and(|(at, _)| pace.is_too_long(&arc, at)) {
+                continue;
+            }
+            let (end, integrals) = match event {
+                Some((at, _)) => integrator.go(last, at, &sums, effort)?,
+                None => ((arc.to, self.start.with(&arc.end)), arc.integrals),
+            };
+            let work = RefCell::new(&mut *effort);
+            let exact = |t: f64| Ok(integrator.go(last, t, &sums, &mut work.borrow_mut())?.0.1);
+            let voltage_rate = |t: f64| arc.at(t)[1][2];
+            let (motion, voltage_rate, exact) = (&motion, &voltage_rate, &exact);
+            watch(&Step { start: *last, end, turns, motion, voltage_rate, exact, integrals })?;
+            add(&mut sums, 1.0, &integrals);
+            (search, *last) = (searched, end);
+            pace.advance(&arc);
+            if !self.harvester.is_in_range(&end.1) {
+                return Err(Reason("the motion left the model".to_owned()));
+            }
+            if event.is_some() || end.0 >= span * (1.0 - 2.0 * f64::EPSILON) {
+                return Ok((sums, event.map(|(_, event)| event)));
             }
         }
     }
 
-    /// Sizes of the states and of the integrals.
-    fn sizes(&self) -> (Vec<f64>, Vec<f64>) {
-        let Scales { position, velocity, voltage, time, energy, surface_energy, charge } = *self.scales;
-        let mut states = vec![position, velocity, voltage];
-        let mut integrals =
-            vec![voltage * voltage * time, voltage * time, energy, energy, surface_energy, surface_energy];
-        if let Some(storage) = &self.harvester.load().storage {
-            let (gain, energies) = storage.scales(charge, energy);
-            states.push(gain);
-            integrals.extend(energies);
-        }
-        (states, integrals)
-    }
-}
-
-/// The equations of a harvester behind a reference, so that the integrator is compiled once for all harvesters.
-trait Equations {
-    fn rates(&self, motion: &Motion, base: f64) -> [f64; Motion::STATES];
-
-    fn rates_along(&self, motion: &Motion, change: &Motion) -> [f64; Motion::STATES];
-
-    fn integrands(&self, motion: &Motion, base: f64) -> Integrals;
-}
-
-impl<H: Harvester> Equations for H {
-    fn rates(&self, motion: &Motion, base: f64) -> [f64; Motion::STATES] {
-        Harvester::rates(self, motion, base)
-    }
-
-    fn rates_along(&self, motion: &Motion, change: &Motion) -> [f64; Motion::STATES] {
-        Harvester::rates_along(self, motion, change)
-    }
-
-    fn integrands(&self, motion: &Motion, base: f64) -> Integrals {
-        Harvester::integrands(self, motion, base)
-    }
-}
-
-/// The equations of motion and the integrands for the integrator; `sizes` are those of the states and of the integrals.
-fn problem<'a>(
-    harvester: &'a dyn Equations,
-    base: &'a LocalBase,
-    start: Motion,
-    tolerance: f64,
-    (states, integrals): (Vec<f64>, Vec<f64>),
-) -> Result<
-    OdeSolverProblem<
-        impl OdeEquationsImplicit<M = NalgebraMat<f64>, V = NalgebraVec<f64>, T = f64, C = NalgebraContext> + 'a,
-    >,
-    DiffsolError,
-> {
-    let (states_count, integrals_count) = (states.len(), integrals.len());
-    let absolute =
-        |sizes: Vec<f64>| -> Vec<f64> { sizes.into_iter().map(|size| ABSOLUTE * tolerance * size).collect() };
-    OdeBuilder::<NalgebraMat<f64>>::new()
-        .rtol(tolerance)
-        .atol(absolute(states))
-        .out_rtol(tolerance)
-        .out_atol(absolute(integrals))
-        .rhs_implicit(
-            move |x: &[f64], _: &[f64], t: f64, rates: &mut [f64]| {
-                let all = harvester.rates(&start.with(x), base.at(t));
-                rates.copy_from_slice(&all[..states_count]);
-            },
-            move |x: &[f64], _: &[f64], _: f64, change: &[f64], rates: &mut [f64]| {
-                let all = harvester.rates_along(&start.with(x), &start.with(change));
-                rates.copy_from_slice(&all[..states_count]);
-            },
-        )
-        .init(
-            move |_: &[f64], _: f64, x: &mut [f64]| x.copy_from_slice(&start.states()[..states_count]),
-            states_count,
-        )
-        .out_implicit(
-            move |x: &[f64], _: &[f64], t: f64, powers: &mut [f64]| {
-                let all = harvester.integrands(&start.with(x), base.at(t));
-                powers.copy_from_slice(&all[..integrals_count]);
-            },
-            // Only sensitivities need the derivative of the integrands.
-            |_: &[f64], _: &[f64], _: f64, _: &[f64], change: &mut [f64]| change.fill(0.0),
-            integrals_count,
-        )
-        .integrate_out(true)
-        .build()
-}
-
-/// The integrals of which the first are given; those of a bridge are zero without one.
-fn integrals_of(values: &[f64]) -> Integrals {
-    let mut integrals = Integrals::default();
-    integrals[..values.len()].copy_from_slice(values);
-    integrals
-}
-
-/// The search for events along a flow.
-struct Search<'a, H: Harvester> {
-    flow: &'a Flow<'a, H>,
-    guards: H::Guards,
-    bridge: Option<SwitchSearch<'a>>,
-}
-
-impl<'a, H: Harvester> Search<'a, H> {
-    fn new(flow: &'a Flow<'a, H>) -> Self {
-        let Motion { voltage, bridge, .. } = flow.start;
-        let storage = flow.harvester.load().storage.as_ref();
-        Self {
-            flow,
-            guards: flow.harvester.guards(&flow.start),
+    fn search(&self) -> Search<'a, H::Guards> {
+        let Motion { voltage, bridge, .. } = self.start;
+        let storage = self.harvester.load().storage.as_ref();
+        Search {
+            guards: self.harvester.guards(&self.start),
             bridge: storage.map(|storage| SwitchSearch::new(storage, bridge, voltage)),
         }
     }
 
     /// The first event of the scene in a step, and the turns before it.
-    fn scene_event(&mut self, step: &mut Step<'_>) -> Result<Option<(f64, SceneEvent<H>)>, DiffsolError> {
-        let (Flow { harvester, base, .. }, motion) = (self.flow, step.motion);
-        let acceleration = |t: f64| Ok(harvester.acceleration(&motion(t)?, base.at(t)));
-        let mut begin = (step.from, motion(step.from)?);
-        for cut in self.guards.cuts(&acceleration, step.from, step.to)? {
-            let end = (cut, motion(cut)?);
+    fn scene_event(
+        &self,
+        guards: &mut H::Guards,
+        arc: &Arc,
+        motion: &Dense<'_, Motion>,
+        turns: &mut Vec<f64>,
+    ) -> Option<(f64, SceneEvent<H>)> {
+        let acceleration = |t: f64| self.harvester.acceleration(&motion(t), self.base.at(t));
+        let mut begin = (arc.from, motion(arc.from));
+        for cut in guards.cuts(&acceleration, arc.from, arc.to) {
+            let end = (cut, motion(cut));
             if begin.1.velocity != 0.0 && (begin.1.velocity > 0.0) != (end.1.velocity > 0.0) {
-                let turn = far_side(|t| Ok::<_, DiffsolError>(motion(t)?.velocity), begin.0, cut)?;
-                let end = (turn, motion(turn)?);
-                if let Some(event) = self.guards.event(motion, begin, end)? {
-                    return Ok(Some(event));
+                let turn = crossing(|t| motion(t).velocity, begin.0, cut);
+                let end = (turn, motion(turn));
+                if let Some(event) = guards.event(motion, begin, end) {
+                    return Some(event);
                 }
-                step.turns.push(turn);
+                turns.push(turn);
                 begin = end;
             }
-            if let Some(event) = self.guards.event(motion, begin, end)? {
-                return Ok(Some(event));
+            if let Some(event) = guards.event(motion, begin, end) {
+                return Some(event);
             }
             begin = end;
         }
-        Ok(None)
+        None
     }
 
-    /// Cuts a step at its first event, if there is one, and finds the turns before it.
-    fn cut(&mut self, step: &mut Step<'_>) -> Result<Option<Event<SceneEvent<H>>>, DiffsolError> {
-        let (from, to, motion) = (step.from, step.to, step.motion);
-        let harvester = self.flow.harvester;
-        let mut event = self.scene_event(step)?.map(|(at, event)| (at, Event::Scene(event)));
-        if let Some(bridge) = &mut self.bridge {
-            let at = |t: f64| motion(t).map(|motion| (harvester.port(&motion), motion.bridge));
-            let until = event.map_or(to, |(at, _)| at);
-            let switch = bridge.first(from, until, &step.turns, &at)?;
-            event = earlier(event, switch.map(|(at, switch)| (at, Event::Switch(switch))), to - from);
+    /// The first event in a step, if there is one, and the turns before it.
+    fn cut(
+        &self,
+        search: &mut Search<'_, H::Guards>,
+        arc: &Arc,
+        motion: &Dense<'_, Motion>,
+    ) -> (Vec<f64>, Found<H>) {
+        let mut turns = Vec::new();
+        let event = self.scene_event(&mut search.guards, arc, motion, &mut turns);
+        let mut event = event.map(|(at, event)| (at, Event::Scene(event)));
+        if let Some(bridge) = &mut search.bridge {
+            let at = |t: f64| {
+                let motion = motion(t);
+                (self.harvester.port(&motion), motion.bridge)
+            };
+            let switch = bridge.first(arc.from, event.map_or(arc.to, |(at, _)| at), &turns, &at);
+            event = earlier(event, switch.map(|(at, switch)| (at, Event::Switch(switch))), arc.to - arc.from);
         }
-        step.to = event.map_or(to, |(at, _)| at);
-        step.turns.retain(|turn| *turn < step.to);
-        Ok(event.map(|(_, event)| event))
+        turns.retain(|turn| event.is_none_or(|(at, _)| *turn < at));
+        (turns, event)
     }
+}
+
+/// The search for events along a flow.
+#[derive(Debug, Clone, Copy)]
+struct Search<'a, G> {
+    guards: G,
+    bridge: Option<SwitchSearch<'a>>,
 }

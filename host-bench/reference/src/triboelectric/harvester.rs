@@ -1,7 +1,5 @@
 //! What a scene supplies to the marching loop: its equations, its events, and what it reports.
 
-use diffsol::error::DiffsolError;
-
 use super::bridge::{Bridge, ElectricalPort, Switch};
 use crate::ledger::{Integrals, integral};
 use crate::storage::Storage;
@@ -89,28 +87,24 @@ pub(crate) struct Scales {
     pub(crate) charge: f64,
 }
 
-/// A function of local time on the dense output of the integrator.
-pub(crate) type Dense<'a, T> = dyn Fn(f64) -> Result<T, DiffsolError> + 'a;
+/// A function of local time on the polynomial of a step.
+pub(crate) type Dense<'a, T> = dyn Fn(f64) -> T + 'a;
 
 /// A motion at a local time in s.
 pub(crate) type Sample = (f64, Motion);
 
 /// The search for the events of a scene along one stretch of flow.
-pub(crate) trait Guards {
+pub(crate) trait Guards: Copy {
     type Event: Copy;
 
     /// Local times at which pieces of a step end; in each piece the velocity changes sign at most once.
-    fn cuts(&self, _acceleration: &Dense<'_, f64>, from: f64, to: f64) -> Result<Vec<f64>, DiffsolError> {
-        Ok(vec![from + 0.5 * (to - from), to])
+    fn cuts(&self, _acceleration: &Dense<'_, f64>, from: f64, to: f64) -> Vec<f64> {
+        vec![from + 0.5 * (to - from), to]
     }
 
     /// The first event in a piece in which the velocity keeps its sign. Pieces come in the order of time.
-    fn event(
-        &mut self,
-        motion: &Dense<'_, Motion>,
-        begin: Sample,
-        end: Sample,
-    ) -> Result<Option<(f64, Self::Event)>, DiffsolError>;
+    fn event(&mut self, motion: &Dense<'_, Motion>, begin: Sample, end: Sample)
+    -> Option<(f64, Self::Event)>;
 }
 
 #[derive(Debug, Clone, Copy)]

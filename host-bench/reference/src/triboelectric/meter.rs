@@ -2,15 +2,14 @@
 
 use std::convert::Infallible;
 
-use diffsol::error::DiffsolError;
-
+use super::bridge::crossing;
 use super::flow::Step;
-use super::harvester::{Counts, Harvester, Motion};
+use super::harvester::{CircuitKind, Counts, Harvester, Motion};
+use super::radau::Reason;
 use super::stick::Stick;
 use crate::ledger::{Effort, Ledger, Totals, integral};
 use crate::schedule::Recorder;
 use harvester_scene::base_motion::LocalBase;
-use harvester_scene::root::far_side;
 use harvester_scene::scene_file::Scene;
 
 /// Everything that is summed or compared along a run.
@@ -39,38 +38,34 @@ impl<'a, H: Harvester> Meter<'a, H> {
     }
 
     /// Measures one step of a flow that began at `start` seconds.
-    pub(crate) fn watch(
-        &mut self,
-        start: f64,
-        base: &LocalBase,
-        step: &Step<'_>,
-    ) -> Result<(), DiffsolError> {
-        let ends = [(step.motion)(step.from)?, (step.motion)(step.to)?];
-        self.ledger.compare(self.energies(&ends[1]));
+    pub(crate) fn watch(&mut self, start: f64, base: &LocalBase, step: &Step<'_>) -> Result<(), Reason> {
+        self.ledger.compare(self.energies(&step.end.1));
         // The base power changes sign twice a period. The error of the step around that is far below the
         // accuracy that the scale of a residual needs.
-        let before = (step.integrals)(step.from)?[integral::BASE_WORK];
-        let after = (step.integrals)(step.to)?[integral::BASE_WORK];
-        self.ledger.base_work_magnitude += (after - before).abs();
+        self.ledger.base_work_magnitude += step.integrals[integral::BASE_WORK].abs();
+        let (from, to) = (step.start.0, step.end.0);
         if self.ledger.in_window {
-            for motion in &ends {
-                self.compare(motion);
-            }
+            self.compare(&step.start.1);
+            self.compare(&step.end.1);
             for turn in &step.turns {
-                self.compare(&(step.motion)(*turn)?);
+                self.compare(&(step.exact)(*turn)?);
             }
+            // By the equations the rate of a fast circuit is a difference of rounded numbers.
+            let is_state = self.harvester.load().kind == CircuitKind::Dynamic;
             let slope = |t: f64| {
-                let motion = (step.motion)(t)?;
-                Ok::<_, DiffsolError>(self.harvester.voltage_slope(&motion, base.at(t)))
+                if is_state {
+                    (step.voltage_rate)(t)
+                } else {
+                    self.harvester.voltage_slope(&(step.motion)(t), base.at(t))
+                }
             };
-            if (slope(step.from)? > 0.0) != (slope(step.to)? > 0.0) {
-                let peak = far_side(slope, step.from, step.to)?;
-                self.compare(&(step.motion)(peak)?);
+            if (slope(from) > 0.0) != (slope(to) > 0.0) {
+                self.compare(&(step.exact)(crossing(slope, from, to))?);
             }
         }
-        self.record_until(start + step.to, |harvester, time| {
-            let local = (time - start).clamp(step.from, step.to);
-            let motion = (step.motion)(local)?;
+        self.record_until(start + to, |harvester, time| {
+            let local = (time - start).clamp(from, to);
+            let motion = (step.exact)(local)?;
             Ok((motion, [harvester.voltage(&motion), base.at(local), 0.0]))
         })
     }
