@@ -38,7 +38,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::method::{Failure, Options};
 use crate::name::Name;
-use crate::outcome::Format;
+use crate::outcome::{Format, folded};
 pub(crate) use crate::report::file::{set_width_mm, width_mm};
 use crate::scene_file::{Override, Scene, contains, replaces};
 use harvester_scene::progress;
@@ -119,6 +119,15 @@ pub(crate) fn print_line(line: &str) {
     let line = line.replace(char::is_control, " ");
     // Without a standard error nothing can be printed.
     let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Prints a warning on standard error.
+pub(crate) fn warn(text: &str) {
+    print_folded(&format!("warning: {text}"));
+}
+
+fn print_folded(text: &str) {
+    folded(&text.replace(char::is_control, " "), 2).lines().for_each(print_line);
 }
 
 thread_local! {
@@ -293,10 +302,10 @@ pub(crate) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Prints a line on standard error that is neither an error nor a warning.
-pub(crate) fn note(line: &str) {
+/// Prints on standard error what is neither an error nor a warning.
+pub(crate) fn note(text: &str) {
     if !is_quiet() {
-        print_line(line);
+        print_folded(text);
     }
 }
 

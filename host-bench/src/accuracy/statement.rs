@@ -10,7 +10,7 @@ use super::{
     Difference, LEAST, Runs, delivers, difference, has_own_steps, has_tolerance, in_double_precision,
     run_as_it_is,
 };
-use crate::command::print_line;
+use crate::command::warn;
 use crate::embedded::{DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S};
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::{Accuracy, Fields, Outcome, fields, standard_error_of_sum};
@@ -357,7 +357,7 @@ fn badness(warning: &str) -> Option<f64> {
 pub(crate) fn print_warnings(found: &Fields) {
     let warnings = found.get("warnings").and_then(|warnings| warnings.as_array());
     let texts = warnings.into_iter().flatten().filter_map(|warning| warning.as_str());
-    texts.for_each(|warning| print_line(&format!("warning: {warning}")));
+    texts.for_each(warn);
 }
 
 #[cfg(test)]

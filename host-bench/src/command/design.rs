@@ -8,7 +8,7 @@ use super::files::{Outputs, make_folder, report_folder};
 use super::sweep::points::PointArguments;
 use super::sweep::{Axis, drawn};
 use super::tolerance::{Varied, sampled};
-use super::{FileArguments, SceneArguments, Watch, print, print_line, run};
+use super::{FileArguments, SceneArguments, Watch, print, run, warn};
 use crate::accuracy::run_with_accuracy;
 use crate::attractors::add_branches;
 use crate::budget::{picture, short_day};
@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), Failure> {
     let [numbers, stress] = parts(&outcome);
     let motion = run::picture(file, &scene, (&options, every_s), &outcome);
     drop(watch);
-    outcome.warnings.iter().for_each(|warning| print_line(&format!("warning: {warning}")));
+    outcome.warnings.iter().for_each(|warning| warn(warning));
     let day = match scene_file::read_with_node(file, overrides) {
         Err(_) => left_out("the scene has no [node]"),
         Ok(_) => short_day(file, overrides).map(|(day, source)| picture::picture(&day, &source)),

@@ -9,9 +9,7 @@ use serde_json::{Value, json};
 
 use super::files::Outputs;
 use super::map::Range;
-use super::{
-    FileArguments, NODE, check_overrides, json_text, one_more, print, print_line, progress, set_option,
-};
+use super::{FileArguments, NODE, check_overrides, json_text, one_more, print, progress, set_option, warn};
 use crate::method::{Failure, Options, Precision};
 use crate::name::Name;
 use crate::needs::{
@@ -76,9 +74,7 @@ pub(super) fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
         build::workspace().map_err(|reason| Failure::Input(format!("--core: {reason}")))?;
     }
     let study = Study::with_corners(&scene, &corners(arguments, &scene)?, accuracy)?;
-    for warning in &study.full.warnings {
-        print_line(&format!("warning: {warning}"));
-    }
+    study.full.warnings.iter().for_each(|warning| warn(warning));
     let bar = progress(1);
     let counted = |count: usize| {
         bar.set_length(count as u64);

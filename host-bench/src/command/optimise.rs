@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::files::Outputs;
 use super::fit::{beside, folder};
 use super::{
-    NODE, SceneArguments, StorageVoltage, check_keys, count, json_text, one_more, print, print_line, progress,
+    NODE, SceneArguments, StorageVoltage, check_keys, count, json_text, one_more, print, progress, warn,
 };
 use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
@@ -124,7 +124,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<(), Failure> {
     let found = optimise(&request, &|count| bar.set_length(bar.position() + count as u64));
     bar.finish_and_clear();
     let found = found?;
-    found.warnings().for_each(|warning| print_line(&format!("warning: {warning}")));
+    found.warnings().for_each(|warning| warn(warning));
     let name = Name::of_file(file).line();
     let title = format!("{name}: {}{}", request.quantity, margin(found.outcome.margins.smallest_margin));
     let picture = picture(&found, &request, title);

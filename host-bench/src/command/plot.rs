@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{FileArguments, NODE, Watch, check_keys, is_called, note, print, print_line};
+use super::{FileArguments, NODE, Watch, check_keys, is_called, note, print, warn};
 use crate::accuracy::{Statements, print_warnings};
 use crate::method::{Failure, Options};
 use crate::motion::{self, LogAxis, Series, View, Wanted};
@@ -114,7 +114,7 @@ fn drawn(
     let span_s = span(arguments, first)?;
     let every_s = motion::every_s(first, span_s);
     if let Some(text) = motion::unresolved(first, every_s) {
-        print_line(&format!("warning: {text}"));
+        warn(&text);
     }
     let options = Options { trace_every_s: Some(every_s), ..arguments.options };
     options.check()?;

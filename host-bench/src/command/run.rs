@@ -7,7 +7,7 @@ use serde_json::json;
 use super::files::Outputs;
 use super::{
     FileArguments, NODE, SceneArguments, StorageVoltage, Unused, Watch, check_overrides, count, one_more,
-    print, print_line, with_progress,
+    print, warn, with_progress,
 };
 use crate::accuracy::{imbalance, print_warnings, run_with_accuracy};
 use crate::attractors::add_branches;
@@ -101,9 +101,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     if let (Some(file), Some(recording)) = (&arguments.trace, &outcome.trace) {
         outputs.keep(file, recording.csv());
     }
-    for warning in &outcome.warnings {
-        print_line(&format!("warning: {warning}"));
-    }
+    outcome.warnings.iter().for_each(|warning| warn(warning));
     print(&outcome.text(arguments.scene.format))?;
     outputs.ended()
 }

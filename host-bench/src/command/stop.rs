@@ -4,7 +4,7 @@ use comfy_table::presets;
 use serde_json::{Value, json};
 
 use super::sweep::{Axis, check_axes, values};
-use super::{NODE, SceneArguments, check_keys, print, print_line, with_progress};
+use super::{NODE, SceneArguments, check_keys, print, warn, with_progress};
 use crate::accuracy::run_with_steps;
 use crate::method::{Failure, Method, Options};
 use crate::outcome::{self, Fields, Outcome, number};
@@ -124,9 +124,7 @@ pub(super) fn run(arguments: &StopArguments) -> Result<(), Failure> {
     })?;
     for (row, found) in rows.iter_mut().zip(found) {
         (row.numbers, row.warnings) = found;
-        row.warnings
-            .iter()
-            .for_each(|warning| print_line(&format!("warning: {}: {warning}", row.place(axes))));
+        row.warnings.iter().for_each(|warning| warn(&format!("{}: {warning}", row.place(axes))));
     }
     let rows = Rows(rows.iter().map(|row| fields(axes, row, &rows)).collect());
     print(&rows.text(arguments.scene.format, |rows| table(axes, rows)))

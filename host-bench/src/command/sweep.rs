@@ -14,7 +14,7 @@ pub(super) use self::messages::warnings;
 use self::messages::{best, best_text, doubt};
 use self::picture::{Labels, Quantity, picture};
 use self::points::{Point, PointArguments, Points, csv};
-use super::{is_quiet, note, print_line};
+use super::{is_quiet, note, warn};
 use crate::method::Failure;
 use crate::outcome::{Format, folded};
 use crate::report::Picture;
@@ -63,14 +63,10 @@ fn print_notes(axes: &[Axis], points: &Points<'_>, found: &[Point]) {
     if let Some(costs) = messages::costs(found.iter().filter_map(|point| point.compared.as_ref())) {
         note(&costs);
     }
-    for warning in warnings(found) {
-        print_line(&format!("warning: {warning}"));
-    }
+    warnings(found).for_each(|warning| warn(&warning));
     if let (Format::Table, false, Some(best)) = (points.arguments.scene.format, is_quiet(), best(found)) {
         note(&best_text(best));
-        if let Some(doubt) = doubt(axes, points, best) {
-            print_line(&format!("warning: {doubt}"));
-        }
+        doubt(axes, points, best).iter().for_each(|doubt| warn(doubt));
     }
 }
 

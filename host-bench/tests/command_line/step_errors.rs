@@ -1,7 +1,7 @@
 //! A run that cannot be finished: an explicit method with a step a thousand times too long for the load; and
 //! one that should not be believed.
 
-use super::tool::{SHIPPED, folder, host_bench, json_and_told, number, place, rows};
+use super::tool::{SHIPPED, folder, host_bench, json_and_told, number, place, rows, unfolded};
 
 const BLOWS_UP: [&str; 4] = ["--method", "rk4", "--step", "1e-3"];
 
@@ -57,7 +57,7 @@ fn a_sweep_keeps_the_points_that_got_to_the_end() {
     let over = ["--over", "load.resistance_ohm=1e3:1e9:3:log", "--set", "run.duration_s=1"];
     let window = ["--set", "run.settle_s=0", "--single-start", "--format", "csv"];
     let output = host_bench(&[&["sweep", SHIPPED], &BLOWS_UP[..], &over[..], &window[..]].concat());
-    let told = String::from_utf8(output.stderr).expect("text");
+    let told = unfolded(output.stderr);
     assert_eq!(output.status.code(), Some(3), "{told}");
     let parts = [
         "creates energy",

@@ -100,9 +100,18 @@ pub(super) fn accepted(arguments: &[&str]) -> String {
 #[track_caller]
 pub(super) fn printed(arguments: &[&str]) -> [String; 2] {
     let output = host_bench(arguments);
-    let [found, told] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).expect("text"));
+    let told = unfolded(output.stderr);
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {told}");
-    [found, told]
+    [String::from_utf8(output.stdout).expect("text"), told]
+}
+
+/// Standard error with each message in one line. All but errors are folded at 100 columns.
+#[track_caller]
+pub(super) fn unfolded(told: Vec<u8>) -> String {
+    let told = String::from_utf8(told).expect("text");
+    let is_wide = |line: &&str| line.chars().count() > 100 && line.trim().contains(' ');
+    assert_eq!(told.lines().filter(|line| !line.starts_with("error: ")).find(is_wide), None);
+    told.replace("\n  ", " ")
 }
 
 /// The JSON of what must succeed.

@@ -291,7 +291,10 @@ pub fn shown(value: &Value) -> String {
             let rounded = || format!("{value:.6}").parse::<f64>().unwrap_or(value);
             if plain { rounded().to_string() } else { format!("{value:.5e}") }
         }
-        Value::Array(items) => items.iter().map(shown).collect::<Vec<_>>().join(", "),
+        Value::Array(items) => {
+            let has_commas = items.iter().filter_map(Value::as_str).any(|text| text.contains(", "));
+            items.iter().map(shown).collect::<Vec<_>>().join(if has_commas { "; " } else { ", " })
+        }
         Value::Object(fields) => {
             let parts = fields.iter().map(|(name, value)| format!("{name} {}", shown(value)));
             parts.collect::<Vec<_>>().join(" ")
