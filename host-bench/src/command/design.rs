@@ -102,7 +102,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), Failure> {
         make_folder(&report_folder())?;
     }
     outputs.write(&target, page.html())?;
-    print(&format!("{}\n", Name::of_file(&target).line()))
+    print(&format!("{}\n", Name::new(target.display().to_string()).line()))
 }
 
 /// The page of the sections by their headings. Where one failed, it says why.

@@ -46,7 +46,8 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         outputs.check("--fmu", fmu)?;
         // Refuses the scene before the library is built.
         embedded::variables(&scene)?;
-        return outputs.write(fmu, export::fmu(&scene, overrides, &bytes(library.as_deref())?)?);
+        outputs.write(fmu, export::fmu(&scene, overrides, &bytes(library.as_deref())?)?)?;
+        return outputs.ended();
     }
     let Some(spice) = spice else { return Ok(()) };
     outputs.check("--spice", spice)?;
@@ -69,7 +70,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         outputs.write(deck, text)?;
         note(&format!("{0}: ngspice -b {0} prints its mean power", deck.display()));
     }
-    Ok(())
+    outputs.ended()
 }
 
 /// The shared library of an FMU, from a file or built by cargo. With the package of this command, whose build of the core serves.

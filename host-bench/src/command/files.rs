@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::note;
+use super::{is_called, note};
 use crate::input::STANDARD;
 use crate::method::Failure;
 use crate::name::Name;
@@ -36,6 +36,7 @@ pub(super) static OUTPUT_IS_A_FILE: AtomicBool = AtomicBool::new(false);
 pub(crate) struct Outputs {
     inputs: Vec<PathBuf>,
     claims: RefCell<Vec<Claim>>,
+    written: RefCell<Vec<String>>,
     failed: RefCell<Option<Failure>>,
 }
 
@@ -143,7 +144,9 @@ impl Outputs {
             None => Claim::of(target).map_err(refuse)?,
         };
         let filled = place(&claim.file, bytes.as_ref(), replaced.as_ref(), &claim.part, &claim.target);
-        filled.map_err(|error| refuse(format!("cannot be written: {error}")))
+        filled.map_err(|error| refuse(format!("cannot be written: {error}")))?;
+        self.written.borrow_mut().push(file.display().to_string());
+        Ok(())
     }
 
     /// As [`Outputs::write`], of a command that prints its result without the file too, and then fails by [`Outputs::ended`].
@@ -153,8 +156,12 @@ impl Outputs {
         }
     }
 
-    /// The first failure of [`Outputs::keep`].
+    /// Tells which files were written. The first failure of [`Outputs::keep`].
     pub(crate) fn ended(&self) -> Result<(), Failure> {
+        let written = self.written.take().join(", ");
+        if !written.is_empty() && !is_called() {
+            note(&format!("written: {written}"));
+        }
         self.failed.take().map_or(Ok(()), Err)
     }
 

@@ -96,9 +96,9 @@ pub(super) fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
     print_rows(&rows, arguments.format, 3)?;
     if let Some(file) = &arguments.page {
         let picture = picture::picture(only.unwrap_or(Kind::ContactSeparation))?;
-        outputs.write(file, &picture.of_file(file)?)?;
+        outputs.keep(file, picture.of_file(file)?);
     }
-    Ok(())
+    outputs.ended()
 }
 
 /// Prints rows of the same keys, of which the first few are words.
@@ -135,7 +135,8 @@ pub(super) fn run_years(arguments: &NodeYearsArguments) -> Result<(), Failure> {
     let shown = if arguments.format == Format::Table { &worst } else { &quarters };
     print_rows(shown, arguments.format, 2)?;
     if let Some(file) = &arguments.page {
-        outputs.write(file, &picture::of_years(&quarters).of_file(file)?)?;
+        outputs.keep(file, picture::of_years(&quarters).of_file(file)?);
     }
+    outputs.ended()?;
     quarters.iter().try_for_each(Quarter::check)
 }

@@ -69,7 +69,8 @@ pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
         let outputs = Outputs::of_shipped([]);
         let failed = |failure: Failure| Error::File { path: "--day".into(), what: failure.to_string() };
         outputs.check("", file).map_err(failed)?;
-        return outputs.write(file, day::table(&day::day()?)).map_err(failed);
+        outputs.keep(file, day::table(&day::day()?));
+        return outputs.ended().map_err(failed);
     }
     build::workspace().map_err(|what| Error::File { path: "on-target".into(), what })?;
     qemu::find()?;

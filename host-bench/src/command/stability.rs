@@ -8,7 +8,7 @@ use comfy_table::presets;
 
 use super::files::{Outputs, make_folder, report_folder};
 use super::rows::{self, Parts, Rows};
-use super::{SHIPPED_SCENES, count, json_text, note, one_more, print, progress};
+use super::{SHIPPED_SCENES, count, json_text, one_more, print, progress};
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::run::try_each;
@@ -106,7 +106,7 @@ pub(super) fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
     if has_page {
         outputs.write(&folder.join(CASES), csv())?;
         outputs.write(&folder.join(PAGE), page(&cases, &rows))?;
-        note(&format!("report: {}", folder.join(PAGE).display()));
+        outputs.ended()?;
     }
     none_of(&rows, |row| row.class.is_failure(), "cases are wrong or broken")
 }

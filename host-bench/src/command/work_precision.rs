@@ -6,7 +6,7 @@ use comfy_table::presets;
 use serde_json::json;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{NODE, SHIPPED_SCENES, check_overrides, json_text, note, one_more, print, with_progress};
+use super::{NODE, SHIPPED_SCENES, check_overrides, json_text, one_more, print, with_progress};
 use crate::method::{Failure, Method, Options, Precision};
 use crate::motion::{self, Series, View, Wanted};
 use crate::needs::{REPEATS, Study, cheapest, host_time};
@@ -238,8 +238,7 @@ pub(super) fn run_default() -> Result<(), Failure> {
     make_folder(&folder)?;
     let file = folder.join(PAGE);
     outputs.write(&file, &page)?;
-    note(&format!("report: {}", file.display()));
-    Ok(())
+    outputs.ended()
 }
 
 /// A scene in a line, and its last periods.

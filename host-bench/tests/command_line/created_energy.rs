@@ -4,9 +4,9 @@ use serde_json::Value;
 
 use super::tool::{NODE, PASSIVE, SHIPPED, SLIDING, folder, json_and_told, number, place, set};
 
-/// Whether a warning is another than that the plates are too small or the slope too large, which these scenes have.
+/// Whether it is another than that the plates are too small or the slope too large, which these scenes have, or a file is written.
 fn is_other(text: &str) -> bool {
-    !["model: fringing = ", "model: slope_rad = "].iter().any(|known| text.contains(known))
+    !["model: fringing = ", "model: slope_rad = ", "written: "].iter().any(|known| text.contains(known))
 }
 
 /// Runs a command with overrides; gives the JSON and the lines on standard error.

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::interrupted::text;
-use super::tool::{NODE, SHIPPED, accepted, file, folder, refused};
+use super::tool::{NODE, SHIPPED, accepted, file, folder, refused, unfolded};
 
 /// A hundredth of a second of a scene.
 fn run<'a>(scene: &'a str, trace: &'a str) -> Vec<&'a str> {
@@ -120,7 +120,8 @@ fn reports_go_to_the_folder_of_the_caller() {
         command.current_dir(folder).args(["budget", NODE]);
         command.args(["--set", "run.duration_s=3", "--set", "run.settle_s=2"]).output().expect("it starts")
     };
-    assert!(budget(&folder).status.success());
+    let told = unfolded(budget(&folder).stderr);
+    assert!(told.ends_with("written: report/budget.svg, report/budget.html\n"), "{told}");
     assert_eq!(names(&folder.join("report")), ["budget.html", "budget.svg"]);
     let taken = super::tool::folder("caller-taken");
     file(&taken, "report", "mine");
