@@ -18,7 +18,7 @@ use crate::method::{Failure, Options};
 use crate::outcome::{Fields, Outcome, fields, flattened, number};
 use crate::resolution::resonances;
 use crate::run::run_scene;
-use crate::scene_file::{self, Override, Scene};
+use crate::scene_file::{self, Override, Scene, finite_number_of, nearest};
 
 /// A key and the range in which its best value is sought: `KEY=LOW:HIGH` or `KEY=LOW:HIGH:log`.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,11 +54,7 @@ impl FromStr for Range {
             [low, high, "log"] => (low, high, true),
             _ => return Err(FORM.to_owned()),
         };
-        let value = |name: &str, text: &str| match scene_file::number_of(&key, text) {
-            Some(value) if value.is_finite() => Ok(value),
-            _ => Err(format!("{name} = {text:?} must be a finite number")),
-        };
-        let (low, high) = (value("LOW", low)?, value("HIGH", high)?);
+        let (low, high) = (finite_number_of(&key, "LOW", low)?, finite_number_of(&key, "HIGH", high)?);
         if key.is_empty() {
             return Err(FORM.to_owned());
         }
@@ -266,7 +262,10 @@ pub(crate) fn check_quantity(option: &str, name: &str, numbers: &Fields) -> Resu
     }
     let known = numbers.iter().filter(|(key, value)| value.is_number() && irrelevant(key).is_none());
     let known: Vec<&str> = known.map(|(key, _)| key.as_str()).collect();
-    let reason = format!("must be a number of the result: {}", known.join(", "));
+    let has_it = || known.iter().copied().find(|known| known.contains(name));
+    let meant = nearest(name, &known).or_else(has_it);
+    let meant = meant.map_or_else(String::new, |meant| format!(", probably {meant}"));
+    let reason = format!("must be a number of the result{meant}; run --format json prints all of them");
     Err(Failure::Input(format!("{option} {name}: {reason}")))
 }
 

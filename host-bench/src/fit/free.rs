@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::method::Failure;
-use crate::outcome::number;
-use crate::scene_file::{self, Override};
+use crate::outcome::{number, shown};
+use crate::scene_file::{self, Override, finite_number_of};
 
 /// Factor from the start to the bounds of a key, where nothing else bounds it.
 const FARTHEST: f64 = 1e3;
@@ -35,9 +35,8 @@ impl std::str::FromStr for Asked {
         }
         let Some(range) = range else { return Ok(Self { key, bounds: None }) };
         let (low, high) = range.split_once(':').ok_or(FORM)?;
-        let number = |name: &str, text: &str| match scene_file::number_of(&key, text) {
-            Some(value) if value.is_finite() => Ok(value),
-            _ => Err(format!("{key}: {name} = {text:?} must be a finite number")),
+        let number = |name: &str, text: &str| {
+            finite_number_of(&key, name, text).map_err(|reason| format!("{key}: {reason}"))
         };
         let (low, high) = (number("LOW", low)?, number("HIGH", high)?);
         if !(low < high) {
@@ -135,6 +134,7 @@ pub(crate) fn of_key(file: &Path, overrides: &[Override], asked: &Asked) -> Resu
     let middle = |[low, high]: [f64; 2]| if low > 0.0 { (low * high).sqrt() } else { 0.5 * (low + high) };
     let start = match (given, asked.bounds) {
         (Some(start), Some([low, high])) if !(low..=high).contains(&start) => {
+            let [start, low, high] = [start, low, high].map(|value| shown(&value.into()));
             return Err(refuse(format!("the scene's {start} must be within {low}:{high}")));
         }
         (Some(start), _) => start,

@@ -200,46 +200,33 @@ fn bad_tolerances_are_refused() {
     let unknown = file(&folder, "unknown.csv", "no.key\n1\n");
     let words = file(&folder, "words.csv", "load.resistance_ohm\n1e6\nmuch\n");
     let ratio = "parameters.damping_ratio";
+    let load = "--vary load.resistance_ohm=±5%";
     for (options, parts) in [
-        (&[][..], &["--vary"][..]),
-        (&["--vary", AMPLITUDE], &["--vary", "KEY=±BOUND"]),
-        (&["--vary", "load.resistance_ohm=5%"], &["KEY=±BOUND"]),
-        (&["--vary", "load.resistance_ohm=±5%:even"], &["BOUND = \"5%:even\""]),
-        (&["--vary", "load.resistance_ohm=±-5%"], &["BOUND = \"-5%\"", "above 0"]),
-        (&["--vary", "load.resistance_ohm=±5V"], &["BOUND = \"5V\""]),
-        (&["--vary", "no.key=±5"], &["no.key", "must have a finite value"]),
+        ("", ["--vary", ""]),
+        ("--vary excitation.amplitude_g", ["--vary", "KEY=±BOUND"]),
+        ("--vary load.resistance_ohm=5%", ["KEY=±BOUND", ""]),
+        (&format!("{load}:even"), ["BOUND = \"5%:even\"", ""]),
+        ("--vary load.resistance_ohm=±-5%", ["BOUND = \"-5%\"", "above 0"]),
         (
-            &["--vary", "excitation.phase_rad=±5%", "--set", "excitation.phase_rad=0"],
-            &["another value than 0"],
+            "--vary load.resistance_ohm=±5V",
+            ["BOUND = \"5V\" must be", "in Ω with a prefix or without, not in V"],
         ),
+        ("--vary no.key=±5", ["--vary no.key: unknown key", ""]),
+        ("--vary parameters.mas_kg=±2%", ["--vary parameters.mas_kg: unknown key", "probably mass_kg"]),
+        ("--vary excitation.phase_rad=±5% --set excitation.phase_rad=0", ["another value than 0", ""]),
         // A damping ratio is at least 0.
-        (
-            &["--vary", "parameters.damping_ratio=±150%"],
-            &["--vary", "parameters.damping_ratio = -0.0", "from 0 to"],
-        ),
-        (
-            &["--vary", "load.resistance_ohm=±5%", "--vary", "load.resistance_ohm=±2%"],
-            &["must not be given after"],
-        ),
-        (
-            &["--vary", "load.resistance_ohm=±5%", "--set", "load.resistance_ohm=inf"],
-            &["must have a finite value"],
-        ),
-        (
-            &["--vary", "load.resistance_ohm=±5%", "--correlate", "load.resistance_ohm,a=0.5"],
-            &["two keys of --vary"],
-        ),
-        (&["--vary", "load.resistance_ohm=±5%", "--correlate", "a,b=1.5"], &["between -1 and 1"]),
-        (
-            &["--vary", "load.resistance_ohm=±5%", "--quantity", "power"],
-            &["--quantity power", "mean_power_w"],
-        ),
-        (&["--vary", "load.resistance_ohm=±5%", "--at-least", "nan"], &["--at-least", "finite"]),
-        (&["--vary", "load.resistance_ohm=±5%", "--samples", "1"], &["from 2 to 999999"]),
-        (&["--parts", &unknown], &["no.key"]),
-        (&["--parts", &words], &["words.csv:3", "load.resistance_ohm", "much"]),
+        ("--vary parameters.damping_ratio=±150%", ["--vary parameters.damping_ratio = -0.0", "from 0 to"]),
+        (&format!("{load} --vary load.resistance_ohm=±2%"), ["must not be given after", ""]),
+        (&format!("{load} --set load.resistance_ohm=inf"), ["must have a finite value", ""]),
+        (&format!("{load} --correlate load.resistance_ohm,a=0.5"), ["two keys of --vary", ""]),
+        (&format!("{load} --correlate a,b=1.5"), ["between -1 and 1", ""]),
+        (&format!("{load} --quantity mean_pwr_w"), ["--quantity mean_pwr_w", "probably mean_power_w; run"]),
+        (&format!("{load} --at-least nan"), ["--at-least", "finite"]),
+        (&format!("{load} --samples 1"), ["from 2 to 999999", ""]),
+        (&format!("--parts {unknown}"), ["no.key", ""]),
+        (&format!("--parts {words}"), ["words.csv:3", "much"]),
     ] {
-        refused(&tolerance(options), parts);
+        refused(&tolerance(&options.split_whitespace().collect::<Vec<_>>()), &parts);
     }
     // No three numbers have these correlations.
     let keys = [AMPLITUDE, ratio, "load.resistance_ohm"].map(|key| format!("{key}=±1%"));

@@ -25,7 +25,7 @@ impl Override {
         let parts: Vec<&str> = key.split('.').map(str::trim).collect();
         let key = current(&parts).join(".");
         // A document has plain numbers.
-        let number = number_of(&key, value).filter(|_| value.trim().parse::<f64>().is_err());
+        let number = number_of(&key, value).ok().filter(|_| value.trim().parse::<f64>().is_err());
         let value = number.map_or_else(|| value.trim().to_owned(), |number| format!("{number:e}"));
         Self { key, value, option: "--set" }
     }
@@ -208,22 +208,24 @@ const PREFIXES: [(&str, i32); 12] = [
 
 /// A number for a key on a command line: plain, or with a prefix of a unit, with the unit of the key, or with both, such as
 /// `10M`, `33kΩ`, `20us` or, for an acceleration or a mass, `0.2g`. A letter that is a prefix is one: `5m` of a length is 5 mm.
-pub fn number_of(key: &str, text: &str) -> Option<f64> {
+/// An error is what to say of the unit of the text, nothing where it does not begin with a number or the key takes none.
+pub(super) fn number_of(key: &str, text: &str) -> Result<f64, String> {
     let text = text.trim();
     if let Ok(plain) = text.parse() {
-        return Some(plain);
+        return Ok(plain);
     }
-    let is_number = |text: &&str| text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
-    let parts = text.char_indices().rev().map(|(at, _)| text.split_at(at));
+    let is_number = |text: &str| text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+    let mut parts = text.char_indices().rev().map(|(at, _)| text.split_at(at));
     let (digits, suffix) =
-        parts.filter(|(head, _)| is_number(head)).find(|(head, _)| head.parse::<f64>().is_ok())?;
-    let rows = rows_of(key);
-    let unit = rows.first()?.unit;
+        parts.find(|(head, _)| is_number(head) && head.parse::<f64>().is_ok()).ok_or_else(String::new)?;
+    let (rows, suffix) = (rows_of(key), suffix.trim());
+    let unknown = || format!("; {key}, whose unit {suffix} would be, is unknown");
+    let unit = rows.first().ok_or_else(unknown)?.unit;
     let is_of_number = |row: &&Key| {
         matches!(row.value, Value::Number(_) | Value::NumberOrLimits(_) | Value::Whole(_) | Value::Among(_))
     };
     if !rows.iter().all(is_of_number) {
-        return None;
+        return Err(String::new());
     }
     // A key whose unit depends on its kind takes a prefix alone.
     let unit = if unit != "1" && rows.iter().all(|row| row.unit == unit) { unit } else { "" };
@@ -231,7 +233,6 @@ pub fn number_of(key: &str, text: &str) -> Option<f64> {
     let gram = if unit == "kg" { 1e-3 } else { GRAVITY };
     let units = [("", 1.0), (unit, 1.0), (ascii.as_str(), 1.0), ("g", gram)];
     let units = if ["m/s²", "kg"].contains(&unit) { &units[..] } else { &units[..3] };
-    let suffix = suffix.trim();
     let found = units.iter().find_map(|(unit, factor)| {
         let prefix = suffix.strip_suffix(unit)?;
         // The prefix of a square metre is squared: none is taken.
@@ -239,13 +240,25 @@ pub fn number_of(key: &str, text: &str) -> Option<f64> {
         let found = PREFIXES.iter().find(|(name, _)| *name == prefix && (name.is_empty() || !is_square));
         found.map(|(_, power)| (*power, factor))
     });
-    let (power, factor) = found?;
+    let of_unit = if unit.is_empty() { String::new() } else { format!(" in {unit}") };
+    let (power, factor) =
+        found.ok_or_else(|| format!(",{of_unit} with a prefix or without, not in {suffix}"))?;
     // The digits with their power of ten are read together, so that no rounding is between.
     let value = match digits.contains(['e', 'E']) {
-        true => digits.parse::<f64>().ok()? * 10f64.powi(power),
-        false => format!("{digits}e{power}").parse().ok()?,
+        true => digits.parse::<f64>().map(|digits| digits * 10f64.powi(power)),
+        false => format!("{digits}e{power}").parse(),
     };
-    Some(value * factor)
+    value.map(|value| value * factor).map_err(|error| error.to_string())
+}
+
+/// A finite number for a key, as by `--set`.
+///
+/// # Errors
+/// Why it is none; `name` is blamed.
+pub fn finite_number_of(key: &str, name: &str, text: &str) -> Result<f64, String> {
+    let found = number_of(key, text);
+    let found = found.and_then(|value| if value.is_finite() { Ok(value) } else { Err(String::new()) });
+    found.map_err(|of_unit| format!("{name} = {text:?} must be a finite number{of_unit}"))
 }
 
 /// The parts of a key, by the names of this version.
@@ -319,7 +332,7 @@ mod tests {
             ("load.draw.value", "3u", Some(3e-6)),
             ("load.draw.value", "3uW", None),
         ] {
-            let found = number_of(key, text);
+            let found = number_of(key, text).ok();
             let is_same = match (found, expected) {
                 (Some(found), Some(expected)) => {
                     found == expected || (found / expected - 1.0_f64).abs() < 1e-15

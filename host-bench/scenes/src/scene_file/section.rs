@@ -4,6 +4,7 @@ use strsim::damerau_levenshtein;
 
 use super::document::{Content, Document, Node, Origin, SceneError};
 use super::key::{Bound, Default, Key, Kind, Short, Table, Value};
+use super::overrides::number_of;
 
 /// Most letters by which a misspelt key differs.
 const MOST_EDITS: usize = 2;
@@ -88,7 +89,8 @@ impl<'a> Section<'a> {
     pub(super) fn missing_of(&self, keys: &[&'static str], wanted: &str) -> SceneError {
         let meant = keys.iter().find_map(|key| Some((key, self.misspelt(key)?)));
         if let Some((key, (written, node))) = meant {
-            let reason = format!("unknown key, probably {key} misspelt, which is missing; must be {wanted}");
+            let meant = self.meant(key, written, node);
+            let reason = format!("unknown key{meant}, which is missing; must be {wanted}");
             return SceneError::of_value(&self.document.file, &self.name(written), node, reason);
         }
         match keys {
@@ -112,6 +114,25 @@ impl<'a> Section<'a> {
         entries.find(|(written, _)| !is_another(written) && is_close(written, key))
     }
 
+    /// The key that was meant, with the number in its unit where what was written ends in another one.
+    fn meant(&self, key: &str, written: &str, node: &Node) -> String {
+        let unit = self.row(key).map_or("", |row| row.unit);
+        let [(quantity, own), (other, end)] =
+            [key, written].map(|name| name.rsplit_once('_').unwrap_or((name, "")));
+        if quantity != other || end.is_empty() || own.eq_ignore_ascii_case(end) || ["", "1"].contains(&unit) {
+            return format!(", probably {key} misspelt");
+        }
+        let value = self.number_of(key, &format!("{}{end}", node.content));
+        let short = |value| format!(": {}", Short(format!("{value:.9e}").parse().unwrap_or(value)));
+        let value = value.map_or_else(|_| String::new(), short);
+        format!(", probably {key} misspelt, in {unit} and not in {end}{value}")
+    }
+
+    /// The number of a text for a key, or what to say of its unit.
+    fn number_of(&self, key: &str, text: &str) -> Result<f64, String> {
+        number_of(&self.name(key).replace('[', ".").replace(']', ""), text)
+    }
+
     pub(super) fn file(&self) -> &'a std::path::Path {
         &self.document.file
     }
@@ -133,7 +154,11 @@ impl<'a> Section<'a> {
         let bound = self.bound(key);
         let Some(content) = self.content(key) else { return Ok(None) };
         let value = content.number().filter(|value| bound.contains(*value));
-        value.map(Some).ok_or_else(|| self.refuse(key, format!("must be {bound}")))
+        // A file has no units.
+        let is_of_file = self.peek(key).is_none_or(|node| matches!(node.origin, Origin::Line(_)));
+        let of_unit = content.text().filter(|_| !is_of_file).and_then(|text| self.number_of(key, text).err());
+        let of_unit = of_unit.unwrap_or_default();
+        value.map(Some).ok_or_else(|| self.refuse(key, format!("must be {bound}{of_unit}")))
     }
 
     /// A number that must be there unless its row has a default.
@@ -348,8 +373,8 @@ impl<'a> Section<'a> {
                     node = inner;
                 }
                 let known: Vec<&str> = self.known().collect();
-                let meant = known.iter().find(|known| is_close(key, known));
-                let probably = meant.map_or_else(String::new, |meant| format!(", probably {meant} misspelt"));
+                let meant = nearest(key, &known);
+                let probably = meant.map_or_else(String::new, |meant| self.meant(meant, key, node));
                 let elsewhere = match meant {
                     None => self.document.paths_of(name.rsplit('.').next().unwrap_or(key)),
                     Some(_) => Vec::new(),
@@ -364,6 +389,12 @@ impl<'a> Section<'a> {
             }
         }
     }
+}
+
+/// The known name from which what was written differs least, in its unit or in a few letters.
+pub fn nearest<'a>(written: &str, known: &[&'a str]) -> Option<&'a str> {
+    let close = known.iter().copied().filter(|name| is_close(written, name));
+    close.min_by_key(|name| damerau_levenshtein(written, name))
 }
 
 /// Whether what was written differs from a key in its unit or in a few letters.

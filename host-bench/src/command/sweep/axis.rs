@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::scene_file::number_of;
+use crate::scene_file::finite_number_of;
 
 /// Most points on one axis.
 const MOST: usize = 100_000;
@@ -71,11 +71,7 @@ impl FromStr for Axis {
         if key.is_empty() {
             return Err(FORM.to_owned());
         }
-        let number = |name: &str, text: &str| match number_of(key, text) {
-            Some(value) if value.is_finite() => Ok(value),
-            _ => Err(format!("{name} = {text:?} must be a finite number")),
-        };
-        let (from, to) = (number("FROM", from)?, number("TO", to)?);
+        let (from, to) = (finite_number_of(key, "FROM", from)?, finite_number_of(key, "TO", to)?);
         let count = match count.parse() {
             Ok(count) if (1..=MOST).contains(&count) => count,
             _ => return Err(format!("COUNT = {count:?} must be a whole number from 1 to {MOST}")),

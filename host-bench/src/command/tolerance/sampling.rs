@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::command::SceneArguments;
 use crate::fit::data::columns;
 use crate::method::Failure;
-use crate::scene_file::{number_at, number_of};
+use crate::scene_file::{self, Override, finite_number_of, number_at};
 use crate::stability::random::Source;
 
 /// The generator of the samples.
@@ -41,7 +41,10 @@ impl FromStr for Varied {
         let bound = bound.trim();
         let bound = bound.strip_prefix('±').or_else(|| bound.strip_prefix("+-")).ok_or(FORM)?;
         let part = bound.strip_suffix('%').map(|part| part.trim().parse::<f64>().ok());
-        let value = part.map_or_else(|| number_of(key.trim(), bound), |part| Some(part? / 100.0));
+        let value = match part {
+            Some(part) => part.map(|part| part / 100.0),
+            None => Some(finite_number_of(key.trim(), "BOUND", bound)?),
+        };
         let value = value.filter(|value| *value > 0.0 && value.is_finite()).ok_or_else(|| {
             format!("BOUND = {bound:?} must be a number above 0, in per cent or in the unit of the key")
         })?;
@@ -52,9 +55,14 @@ impl FromStr for Varied {
 
 impl Varied {
     /// The same with its value in the scene, and with the bound of this.
-    fn about(mut self, scene: &SceneArguments, option: &str) -> Result<Self, Failure> {
+    fn about(mut self, scene: &SceneArguments, option: &'static str) -> Result<Self, Failure> {
         let value = number_at(&scene.scene, &scene.overrides, &self.key)?;
         let refuse = |reason: &str| Err(Failure::Input(format!("{option} {}: {reason}", self.key)));
+        let probe = [&scene.overrides[..], &[Override::new(&self.key, "0").by(option)]].concat();
+        let refused = if value.is_none() { scene_file::read(&scene.scene, &probe).err() } else { None };
+        if let Some(error) = refused.filter(|error| error.to_string().contains(": unknown key")) {
+            return Err(error.without_value().into());
+        }
         let Some(nominal) = value.filter(|value| value.is_finite()) else {
             return refuse("must have a finite value in the scene; --set gives it one");
         };
