@@ -243,7 +243,7 @@ class Bindings(unittest.TestCase):
                 call(SCENE, tolerence=1e-3)
         with self.assertRaisesRegex(ValueError, "amplitude"):
             vh.response_map(SCENE, amplitude=(4, 0.5), frequency=(18, 22))
-        with self.assertRaisesRegex(ValueError, "not provided: --maximise"):
+        with self.assertRaisesRegex(ValueError, "not provided: <--maximise"):
             vh.optimise(SCENE, {"load.resistance_ohm": (1e6, 1e10, "log")})
 
     def test_values_are_written_as_in_a_scene_file(self):

@@ -24,20 +24,13 @@ const MOST: usize = 100_000;
 const MARGINS: &str = "impossible_margin>=1";
 
 #[derive(Debug, Clone, clap::Args)]
+#[command(group(clap::ArgGroup::new("sought").required(true)))]
 pub struct OptimiseArguments {
-    #[command(flatten)]
-    scene: SceneArguments,
     /// The number of the result that shall be largest, such as mean_power_w
-    #[arg(
-        long,
-        alias = "maximize",
-        value_name = "QUANTITY",
-        required_unless_present = "minimise",
-        conflicts_with = "minimise"
-    )]
+    #[arg(long, alias = "maximize", value_name = "QUANTITY", group = "sought")]
     maximise: Option<String>,
     /// The number of the result that shall be smallest
-    #[arg(long, alias = "minimize", value_name = "QUANTITY")]
+    #[arg(long, alias = "minimize", value_name = "QUANTITY", group = "sought")]
     minimise: Option<String>,
     /// A key of the scene and its range; one to four
     #[arg(long = "over", value_name = "KEY=LOW:HIGH[:log]", required = true, allow_hyphen_values = true)]
@@ -69,6 +62,8 @@ pub struct OptimiseArguments {
     /// at the pointer and the way of the search (.html)
     #[arg(long, value_name = "FILE.svg|.html")]
     picture: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArguments,
 }
 
 /// How long it takes, for the help.

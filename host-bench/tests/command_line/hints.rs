@@ -22,6 +22,10 @@ fn a_key_without_its_table_and_one_that_is_misspelt() {
         &["run", SHIPPED, "--set", "load.resistence_ohm=1e6"],
         &["load.resistence_ohm = 1e6: unknown key, probably resistance_ohm misspelt"],
     );
+    refused(
+        &["run", SHIPPED, "--set", "load.resistance_ohm=10V"],
+        &["load.resistance_ohm = \"10V\": must be", "in Ω with a prefix or without, not in V"],
+    );
     // Only keys of the scene's own kinds.
     let output = host_bench(&["run", SHIPPED, "--set", "beam_modes=2"]);
     let told = String::from_utf8(output.stderr).expect("text");
@@ -33,6 +37,7 @@ fn a_word_in_place_of_a_command() {
     refused(&["motor.toml"], &["motor.toml: must be a command", "run motor.toml"]);
     refused(&["sweeep", SHIPPED], &["sweeep", "similar", "'sweep'"]);
     refused(&["run", SHIPPED, "--toleranse", "1e-3"], &["--toleranse", "similar", "'--tolerance'"]);
+    refused(&[&["optimise", SHIPPED], &OVER[..]].concat(), &["--maximise", "--minimise"]);
     // The other spelling.
     let known = ["optimize", SHIPPED, "--maximize", "processor_s", "--grid", "3"];
     refused(&[&known[..], &OVER].concat(), &["--maximise processor_s", "a time of this computer"]);
