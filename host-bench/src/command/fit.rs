@@ -11,7 +11,7 @@ use crate::fit::{self, FitResult, Request, free::Asked};
 use crate::input::STANDARD;
 use crate::method::Failure;
 use crate::name::Name;
-use crate::scene_file::{self, Fit};
+use crate::scene_file::{self, Fit, finite_number_of};
 
 /// Starts that are looked at where the first one does not end well.
 const STARTS: usize = 24;
@@ -32,7 +32,8 @@ pub struct FitArguments {
     #[arg(long = "data", value_name = "FILE.csv")]
     data: Vec<PathBuf>,
     /// Rate in Hz of even times to which the traces of --data are resampled, as by excitation.resample_hz
-    #[arg(long = "resample", value_name = "HZ")]
+    #[arg(long = "resample", value_name = "HZ",
+        value_parser = |text: &str| finite_number_of("excitation.resample_hz", "HZ", text))]
     resample_hz: Option<f64>,
     /// A key of the scene to fit, with the bounds of its value; may be repeated
     #[arg(long = "free", value_name = "KEY[=LOW:HIGH]", allow_hyphen_values = true)]
@@ -62,11 +63,9 @@ pub struct FitArguments {
 pub(super) fn run(arguments: &FitArguments) -> Result<(), Failure> {
     let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
     let (scene, table) = scene_file::read_with_fit(file, overrides)?;
-    let (free, huber) = (arguments.free(&table)?, arguments.is_huber(&table)?);
+    let asked = arguments.loss.map(|loss| loss == LossName::Huber);
+    let (free, huber) = (arguments.free(&table)?, asked.or(table.huber).unwrap_or(false));
     let starts = arguments.starts.or(table.starts).unwrap_or(STARTS);
-    if starts > 1000 {
-        return Err(Failure::Input(format!("--starts {starts}: must be at most 1000")));
-    }
     let iterations = arguments.iterations;
     check_overrides(overrides, &[NODE])?;
     let keys: Vec<(&str, &str)> = free.iter().map(|asked| ("--free", asked.key.as_str())).collect();
@@ -118,18 +117,6 @@ impl FitArguments {
             .iter()
             .map(|text| text.parse().map_err(|error| self.of_table(&format!("free: {text:?}: {error}"))));
         asked.collect()
-    }
-
-    /// Whether large residuals count linearly.
-    fn is_huber(&self, table: &Fit) -> Result<bool, Failure> {
-        match (self.loss, table.loss.as_deref()) {
-            (Some(loss), _) => Ok(loss == LossName::Huber),
-            (None, None | Some("linear")) => Ok(false),
-            (None, Some("huber")) => Ok(true),
-            (None, Some(other)) => {
-                Err(self.of_table(&format!("loss = {other:?}: must be \"linear\" or \"huber\"")))
-            }
-        }
     }
 
     fn beside(&self) -> Option<PathBuf> {

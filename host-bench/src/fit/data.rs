@@ -3,8 +3,10 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
+use crate::command::note;
 use crate::input::{self, MOST_OF_DATA, repeated};
 use crate::method::Failure;
+use crate::outcome::shown;
 use crate::scene_file::{Delimiter, GRAVITY, Model, Numbers, Scene, resampled};
 
 /// Columns that a sweep may measure, and the kind of scene that has them.
@@ -147,24 +149,19 @@ impl Table<'_> {
     /// The numbers of a column within bounds, if there is such a column.
     fn numbers(&self, name: &str, low: f64, high: f64) -> Result<Option<Vec<f64>>, Failure> {
         let Some(index) = self.index(name) else { return Ok(None) };
-        let mut values = Vec::new();
-        for (row, (_, cells)) in self.rows.iter().enumerate() {
+        let number = |(row, (_, cells)): (usize, &(u64, Vec<String>))| {
             let cell = &cells[index];
-            match self.cells.borrow_mut().read(cell) {
-                Ok(value) if (low..=high).contains(&value) => values.push(value),
+            let reason = match self.cells.borrow_mut().read(cell) {
+                Ok(value) if (low..=high).contains(&value) => return Ok(value),
                 Ok(value) if value.is_finite() => {
-                    return self.refuse_at(
-                        row,
-                        &format!("{name} = {cell}: must be a number from {low:e} to {high:e}"),
-                    );
+                    format!("{name} = {cell}: must be a number from {low:e} to {high:e}")
                 }
-                Ok(_) => return self.refuse_at(row, &format!("{name} = {cell:?}: must be a finite number")),
-                Err(reason) => {
-                    return self.refuse_at(row, &format!("{name}: {reason}, must be a finite number"));
-                }
-            }
-        }
-        Ok(Some(values))
+                Ok(_) => format!("{name} = {cell:?}: must be a finite number"),
+                Err(reason) => format!("{name}: {reason}, must be a finite number"),
+            };
+            self.refuse_at(row, &reason)
+        };
+        self.rows.iter().enumerate().map(number).collect::<Result<_, _>>().map(Some)
     }
 
     /// Refuses a name that is given twice or that is not one of `known`, or the standard deviation of one of `measured`.
@@ -274,15 +271,12 @@ fn sweep(table: &Table<'_>, scene: &Scene) -> Result<Data, Failure> {
 
 fn directions(table: &Table<'_>) -> Result<Option<Vec<Direction>>, Failure> {
     let Some(index) = table.index("direction") else { return Ok(None) };
-    let mut all = Vec::new();
-    for (row, (_, cells)) in table.rows.iter().enumerate() {
-        all.push(match cells[index].as_str() {
-            "up" => Direction::Up,
-            "down" => Direction::Down,
-            other => return table.refuse_at(row, &format!("direction = {other:?}: must be up or down")),
-        });
-    }
-    Ok(Some(all))
+    let direction = |(row, (_, cells)): (usize, &(u64, Vec<String>))| match cells[index].as_str() {
+        "up" => Ok(Direction::Up),
+        "down" => Ok(Direction::Down),
+        other => table.refuse_at(row, &format!("direction = {other:?}: must be up or down")),
+    };
+    table.rows.iter().enumerate().map(direction).collect::<Result<_, _>>().map(Some)
 }
 
 fn trace(table: &Table<'_>, scene: &Scene, resample_hz: Option<f64>) -> Result<Data, Failure> {
@@ -318,7 +312,16 @@ fn trace(table: &Table<'_>, scene: &Scene, resample_hz: Option<f64>) -> Result<D
         let row = |index: usize| {
             times.partition_point(|time| *time <= times[0] + (index as f64 + 0.01) / rate_hz) - 1
         };
-        lines = (0..columns[0].values.len()).map(|index| lines[row(index)]).collect();
+        let count = columns[0].values.len();
+        let shift = |index: usize| {
+            let time = times[0] + index as f64 / rate_hz;
+            times[row(index)..].iter().take(2).fold(f64::INFINITY, |least, at| least.min((at - time).abs()))
+        };
+        // As for a recording, a hundredth of an interval is no shift.
+        let moved = (0..count).filter(|index| shift(*index) * rate_hz > 0.01).count();
+        let (file, most) = (table.file.display(), shown(&(0..count).map(shift).fold(0.0, f64::max).into()));
+        note(&format!("{file}: of {count} samples {moved} are moved to even times, by at most {most} s"));
+        lines = (0..count).map(|index| lines[row(index)]).collect();
     }
     Ok(Data { file: table.file.to_owned(), rows: Rows::Trace { spacing_s, acceleration }, columns, lines })
 }
@@ -338,9 +341,10 @@ fn spacing(table: &Table<'_>, times: &[f64]) -> Result<f64, Failure> {
     let usual = sorted[sorted.len() / 2];
     if let Some(step) = uneven(usual) {
         let text = format!(
-            "time_s = {}: is {:e} s after the row before: must be uniform, with steps of {usual:e} s, or with --resample HZ",
+            "time_s = {}: is {} s after the row before: must be uniform, with steps of {} s, or with --resample HZ",
             times[step + 1],
-            steps[step]
+            shown(&steps[step].into()),
+            shown(&usual.into())
         );
         return table.refuse_at(step + 1, &text);
     }
@@ -349,7 +353,8 @@ fn spacing(table: &Table<'_>, times: &[f64]) -> Result<f64, Failure> {
         !((time - expected).abs() <= UNEVEN * spacing_s)
     };
     if let Some(row) = times.iter().enumerate().position(|(index, &time)| is_off(index, time)) {
-        let text = format!("time_s = {}: must be uniform, with steps of {spacing_s:e} s", times[row]);
+        let steps = shown(&spacing_s.into());
+        let text = format!("time_s = {}: must be uniform, with steps of {steps} s", times[row]);
         return table.refuse_at(row, &text);
     }
     Ok(spacing_s)

@@ -21,8 +21,8 @@ pub struct Fit {
     pub data: Vec<PathBuf>,
     /// Free keys, each as `KEY` or `KEY=LOW:HIGH`.
     pub free: Vec<String>,
-    /// Name of the loss.
-    pub loss: Option<String>,
+    /// Whether large residuals count linearly.
+    pub huber: Option<bool>,
     /// Most further starts.
     pub starts: Option<usize>,
 }
@@ -30,16 +30,13 @@ pub struct Fit {
 pub(super) fn fit(mut section: Section<'_>) -> Result<Fit, SceneError> {
     let folder = section.file().parent().map(PathBuf::from).unwrap_or_default();
     let data = section.texts("data")?.unwrap_or_default();
-    let loss = if section.has("loss") {
-        Some(section.text("loss").ok_or_else(|| section.refuse("loss", "must be a text"))?.to_owned())
-    } else {
-        None
-    };
-    let starts = if section.has("starts") { Some(section.whole_number("starts")?) } else { None };
+    let losses = [("linear", false), ("huber", true)];
+    let huber = section.has("loss").then(|| section.choice("loss", &losses)).transpose()?;
+    let starts = section.has("starts").then(|| section.whole_number("starts")).transpose()?;
     let fit = Fit {
         data: data.iter().map(|name| folder.join(name)).collect(),
         free: free(&mut section)?,
-        loss,
+        huber,
         starts,
     };
     section.finish()?;
