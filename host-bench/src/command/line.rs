@@ -17,7 +17,7 @@ use crate::method::Failure;
     after_help = "Examples:\n  \
     host-bench run scene.toml --set load.resistance_ohm=10M --set excitation.amplitude_m_per_s2=0.2g\n  \
     host-bench new contact-separation | host-bench run -\n\nA file is - for standard input or output. Values of --set \
-    and --over take prefixes and the unit of the\nkey: 10M, 33kΩ, 20us, 0.2g. A COMMAND --help has examples of the command."
+    and --over take a prefix and a unit: 10M, 33kΩ, 20us, 0.2g. A COMMAND --help has examples of the command."
 )]
 pub struct Arguments {
     /// Without one: error against run time in short, and a report in report/
