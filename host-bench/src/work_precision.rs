@@ -4,7 +4,6 @@
 //! timing and printing are the same for all.
 
 mod bump_stop;
-pub(crate) mod grid;
 #[cfg(feature = "peers")]
 pub(crate) mod peers;
 pub(crate) mod table;

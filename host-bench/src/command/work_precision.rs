@@ -16,7 +16,6 @@ use crate::report::{report, short_chart, terminal};
 use crate::rows::{Column, Digits, Rows};
 use crate::run::run_scene;
 use crate::scene_file::{self, Model, Override, Scene};
-use crate::work_precision::grid::{self, Grid};
 use crate::work_precision::triboelectric::method_name;
 use crate::work_precision::{self, Comparison, Control, Extent, Row, Variant, table};
 
@@ -26,9 +25,6 @@ pub struct WorkPrecisionArguments {
     /// Scene files; without any, the shipped scenes at several loads
     #[arg(value_name = "SCENE.toml")]
     scenes: Vec<PathBuf>,
-    /// What auto chooses, against the cheapest choice that is accurate enough, over loads, force laws and excitations
-    #[arg(long, conflicts_with = "scenes")]
-    grid: bool,
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -37,7 +33,7 @@ pub struct WorkPrecisionArguments {
     overrides: Vec<Override>,
     /// Beside peers: the core alone and general integrators of other crates, on these scenes of a fixed list, or on all;
     /// needs the feature peers
-    #[arg(long, value_name = "NAME", num_args = 0.., conflicts_with_all = ["scenes", "overrides", "grid"])]
+    #[arg(long, value_name = "NAME", num_args = 0.., conflicts_with_all = ["scenes", "overrides"])]
     peers: Option<Vec<String>>,
     /// With --peers: all rows as CSV
     #[arg(long, value_name = "FILE", requires = "peers")]
@@ -77,9 +73,6 @@ const SHIPPED: [(&str, &str, bool); 9] = [
 /// Runs the comparison and prints it.
 pub(super) fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
     check_overrides(&arguments.overrides, &[NODE])?;
-    if arguments.grid {
-        return run_grid(arguments);
-    }
     if let Some(names) = &arguments.peers {
         return beside_peers(arguments, names);
     }
@@ -96,20 +89,6 @@ pub(super) fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
         Format::Table => table::text(&comparisons),
         Format::Csv => table::csv(&comparisons),
         Format::Json => json_text(&comparisons)?,
-    })
-}
-
-fn run_grid(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
-    let cells = grid::cells(&arguments.overrides)?;
-    let rows = with_progress(cells.len(), |bar| {
-        let each = cells.iter().map(|cell| grid::examine(cell).inspect(|_| one_more(bar)));
-        each.collect::<Result<Vec<_>, _>>()
-    })?;
-    let grid = Grid::of(rows.concat());
-    print(&match arguments.format {
-        Format::Table => grid::text(&grid),
-        Format::Csv => grid::csv(&grid),
-        Format::Json => json_text(&grid)?,
     })
 }
 

@@ -95,7 +95,6 @@ fn that_the_method_or_the_scene_does_not_use() {
             ["run", scene].into_iter().chain(options.split(' ')).chain(short).collect();
         refused(&arguments, &parts);
     }
-    refused(&["work-precision", "--grid", "--peers", "all"], &["--grid", "--peers"]);
 }
 
 #[test]

@@ -1,8 +1,5 @@
 //! What `--method auto` chooses for a triboelectric scene: exponential Radau, and the tolerance for a stated accuracy.
 //!
-//! `work-precision --grid` compares it with TR-BDF2 and RK4 over loads from 1 Ω to 1 GΩ, at errors of the mean power of
-//! 10⁻², 10⁻³ and 10⁻⁵: exponential Radau is the cheapest method in every row that can be compared.
-//!
 //! In contact-separation the tolerance is a factor times the square root of the accuracy. The factor depends on the circuit:
 //!
 //! | circuit | factor | why |
