@@ -13,7 +13,7 @@
 //!     Task::Sleep             sleep for again_in seconds, then read the voltage if `read`, and wake
 //!     Task::Burst             switch the sensor on, hand its samples to samples(), as the FIFO has them
 //!     Task::Run(index)        carry the action out, and wake again
-//! samples(&[i16]) → Progress::More(left) or Progress::Done(finding)
+//! samples(&[i16]) → Progress::More(left), or Progress::Done(finding): switch the sensor off, and wake
 //! ```
 //!
 //! Every income is estimated with a bound of two and a half standard deviations. `docs/node.md` has the choice, all parameters and a glossary;

@@ -238,6 +238,7 @@ impl<'a> World<'a> {
             let progress = strategy.samples(burst);
             debug_assert!(progress != Progress::Idle);
         }
+        while strategy.samples(&[]) == Progress::Done(None) {}
         self.advance((f64::from(samples) / self.rate).ceil() as u32);
     }
 

@@ -237,9 +237,18 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
     /// Call it again with the samples that are left.
     #[inline]
     pub fn take(&self, state: &mut LineBankState<P>, samples: &[i16]) -> (usize, Option<Lines>) {
+        let taken = self.sum(state, samples);
+        let is_full = state.count as usize >= P && self.transform(state);
+        (taken, if is_full { self.lines(state) } else { None })
+    }
+
+    /// Takes samples until a block is full: gives the number of samples taken. A full block takes none before its lines are asked for.
+    #[inline]
+    pub(crate) fn sum(&self, state: &mut LineBankState<P>, samples: &[i16]) -> usize {
         let mut taken = 0;
         while let Some(left) = samples.get(taken..)
             && !left.is_empty()
+            && let Some(entry) = state.sections.get_mut(state.count as usize)
         {
             let from = state.place as usize;
             let reference = self.reference.get(from..self.samples).unwrap_or(&[]);
@@ -253,34 +262,51 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
             state.section = [cosine, sine];
             state.place = state.place.wrapping_add(count as u32);
             taken += count;
-            if state.place as usize >= self.samples && self.end_section(state) {
-                let lines = self.lines(state);
-                *state = LineBankState::default();
-                return (taken, Some(lines));
+            if state.place as usize >= self.samples {
+                (*entry, state.section, state.place) = (state.section, [0; 2], 0);
+                state.count = state.count.wrapping_add(1);
             }
         }
-        (taken, None)
+        taken
     }
 
-    /// Ends a section; whether it was the last of its block.
-    fn end_section(&self, state: &mut LineBankState<P>) -> bool {
-        if let Some(entry) = state.sections.get_mut(state.count as usize) {
-            *entry = state.section;
-        }
-        (state.section, state.place) = ([0; 2], 0);
-        state.count = state.count.wrapping_add(1);
-        state.count as usize >= P
-    }
-
-    /// The lines of a full block.
+    /// Puts the squares of the bins with the window of Hann, the lowest first, and zeros in the place of the sections of a full block, and the
+    /// bits that these lose in that of the section; whether there was one.
     #[cold]
     #[inline(never)]
-    fn lines(&self, state: &LineBankState<P>) -> Lines {
+    pub(crate) fn transform(&self, state: &mut LineBankState<P>) -> bool {
+        if state.count as usize != P {
+            return false;
+        }
         let sums = state.sections.iter().flatten();
         let largest = sums.fold(0, |largest: u32, sum| largest.max(sum.unsigned_abs()));
         let shift = (32 - largest.leading_zeros()).saturating_sub(SECTION_BITS);
-        let sections = state.sections.map(|section| section.map(|sum| sum.wrapping_shr(shift)));
-        let squares = self.squares(&sections);
+        Self::fold(&mut state.sections, shift);
+        // One more to each side than squares.
+        let mut bins = [[0; 2]; MOST_BINS + 1];
+        for (place, bin) in bins.iter_mut().enumerate().take(Self::BINS + 2) {
+            *bin = self.bin(&state.sections, place.wrapping_sub(Self::REACH as usize + 1));
+        }
+        *state = LineBankState { count: P as u32 + 1, place: shift, ..LineBankState::default() };
+        for ([square, _], bins) in state.sections.iter_mut().zip(bins.windows(3)).take(Self::BINS) {
+            let &[below, here, above] = bins else { continue };
+            // In integers: software floating point takes several times as many instructions.
+            let part = |a: i32, b: i32, c: i32| f32::from_i32(b.wrapping_sub(a.wrapping_add(c) >> 1));
+            let [real, imaginary] = [part(below[0], here[0], above[0]), part(below[1], here[1], above[1])];
+            *square = (real * real + imaginary * imaginary).to_bits().cast_signed();
+        }
+        true
+    }
+
+    /// The lines of a block whose bins are known; begins the next one.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn lines(&self, state: &mut LineBankState<P>) -> Option<Lines> {
+        if state.count as usize <= P {
+            return None;
+        }
+        let LineBankState { place: shift, sections, .. } = core::mem::take(state);
+        let squares = sections.map(|[bits, _]| f32::from_bits(bits.cast_unsigned()));
         // Counts times samples, of one unit of a bin.
         let scale = f32::from_u32(1_u32.wrapping_shl(shift)) * (1.0 / (REFERENCE * ROTATION));
         let (mut strongest, mut place, mut beside) = (0.0_f32, 0, [0.0_f32; 2]);
@@ -299,7 +325,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
             below = here;
         }
         if !(strongest > 0.0) {
-            return Lines::default();
+            return Some(Lines::default());
         }
         let mut rest = 0.0_f32;
         for (index, &square) in (0..Self::BINS).zip(&squares) {
@@ -325,13 +351,13 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         // 2 |Σ w x e|²/(r Σ w²), with Σ w² = 3/2 N and the rate r of N bins.
         let noise = NOISE_BINS * samples * samples * self.bin_hz * f32::from_i32(near_count.max(1));
         let density = 2.0 * scale * scale / noise * self.unit * self.unit;
-        Lines {
+        Some(Lines {
             amplitude: 2.0 * peak / samples * self.unit,
             frequency: self.reference_hz + bins * self.bin_hz,
             purity: Scalar::min(of_line, 1.0),
             density: density * near,
             rest: density * rest,
-        }
+        })
     }
 
     /// Square of the attenuation of a section at a distance of `bins` from the reference.
@@ -344,45 +370,46 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         self.gain.get(index).copied().unwrap_or(1.0)
     }
 
-    /// Squares of the magnitudes of the bins with the window of Hann, the lowest first, and zeros.
-    fn squares(&self, sections: &[[i32; 2]; P]) -> [f32; MOST_BINS] {
-        let mut squares = [0.0; MOST_BINS];
-        // One more to each side than squares.
-        let mut bins = [[0_i32; 2]; MOST_BINS + 1];
-        let reach = Self::REACH as usize + 1;
-        for bin in 0..=reach {
-            let [of_minus, of_plus] = self.pair(sections, bin);
-            for (place, value) in [(reach.wrapping_sub(bin), of_minus), (reach.wrapping_add(bin), of_plus)] {
-                if let Some(entry) = bins.get_mut(place) {
+    /// Puts what the bins `4 k`, `4 k + 2`, `4 k + 1` and `4 k + 3` are summed of in the four quarters of the sections, which lose `shift` bits:
+    /// the rotation of a quarter of the sections is a quarter turn, exactly.
+    fn fold(sections: &mut [[i32; 2]; P], shift: u32) {
+        for index in 0..P / 4 {
+            let places = [0, 1, 2, 3].map(|part| index + part * (P / 4));
+            let [a, b, c, d] = places.map(|place| {
+                sections.get(place).map_or([0; 2], |sums| sums.map(|sum| sum.wrapping_shr(shift)))
+            });
+            let (even, other, odd, [real, imaginary]) = (add(a, c), add(b, d), less(a, c), less(b, d));
+            let turned = [imaginary, real.wrapping_neg()];
+            let folded = [add(even, other), less(even, other), add(odd, turned), less(odd, turned)];
+            for (place, value) in places.into_iter().zip(folded) {
+                if let Some(entry) = sections.get_mut(place) {
                     *entry = value;
                 }
             }
         }
-        for (square, bins) in squares.iter_mut().zip(bins.windows(3)).take(2 * Self::REACH as usize + 1) {
-            let &[below, here, above] = bins else { continue };
-            // In integers: software floating point takes several times as many instructions.
-            let part = |a: i32, b: i32, c: i32| f32::from_i32(b.wrapping_sub(a.wrapping_add(c) >> 1));
-            let [real, imaginary] = [part(below[0], here[0], above[0]), part(below[1], here[1], above[1])];
-            *square = real * real + imaginary * imaginary;
-        }
-        squares
     }
 
-    /// The bins at `−bin` and at `bin` without a window: parts below 2³⁰, of sections of [`SECTION_BITS`] bits. Both have the
-    /// same four products of a section.
-    fn pair(&self, sections: &[[i32; 2]; P], bin: usize) -> [[i32; 2]; 2] {
-        let (mut minus, mut plus) = ([0_i32; 2], [0_i32; 2]);
-        let mut turn = 0_usize;
-        for &[a, b] in sections {
+    /// A bin without a window, of folded sections: parts below 2³⁰, of sections of [`SECTION_BITS`] bits.
+    fn bin(&self, sections: &[[i32; 2]; P], bin: usize) -> [i32; 2] {
+        let quarter = [0, 2, 1, 3].get(bin % 4).copied().unwrap_or(0);
+        let (mut sum, mut turn) = ([0; 2], 0_usize);
+        for &[a, b] in sections.iter().skip(quarter * (P / 4)).take(P / 4) {
             let [c, s] = self.rotation.get(turn & (P - 1)).map_or([0, 0], |pair| pair.map(i32::from));
             let [ac, bs, a_s, bc] =
                 [(a, c), (b, s), (a, s), (b, c)].map(|(one, other)| one.wrapping_mul(other));
-            plus = [plus[0].wrapping_add(ac.wrapping_sub(bs)), plus[1].wrapping_add(a_s.wrapping_add(bc))];
-            minus = [minus[0].wrapping_add(ac.wrapping_add(bs)), minus[1].wrapping_add(bc.wrapping_sub(a_s))];
+            sum = add(sum, [ac.wrapping_sub(bs), a_s.wrapping_add(bc)]);
             turn = turn.wrapping_add(bin);
         }
-        [minus, plus]
+        sum
     }
+}
+
+const fn add([a, b]: [i32; 2], [c, d]: [i32; 2]) -> [i32; 2] {
+    [a.wrapping_add(c), b.wrapping_add(d)]
+}
+
+const fn less([a, b]: [i32; 2], [c, d]: [i32; 2]) -> [i32; 2] {
+    [a.wrapping_sub(c), b.wrapping_sub(d)]
 }
 
 /// A count as a number.

@@ -198,7 +198,7 @@ where
         let mut burst = [0; BURST];
         let now = self.board.sleep(self.wake.again_in, samples.min(BURST as u32));
         let mut found = None;
-        loop {
+        while self.is_sampling {
             let Ok(count) = self.board.read_samples(&mut burst) else {
                 self.node.samples_lost(&mut self.state);
                 break;
@@ -211,17 +211,21 @@ where
                 Progress::More(samples) => self.wake.task = Task::Burst { samples },
                 Progress::Done(finding) => {
                     self.board.stop_sensor();
-                    self.is_sampling = false;
-                    found = Some(finding);
-                    break;
+                    (self.is_sampling, found) = (false, finding);
                 }
                 Progress::Idle => {}
             }
         }
+        while !self.is_sampling
+            && found.is_none()
+            && let Progress::Done(finding) = self.node.samples(&mut self.state, &[])
+        {
+            found = finding;
+        }
         // The books wait for the end of the burst, because they cost more than a part of it.
         let since = now.checked_sub(N::second(&self.state));
         let is_over = since.is_none_or(|since| since >= self.wake.again_in);
-        if found.is_some() || is_over {
+        if !self.is_sampling || is_over {
             self.ask(now, None);
         }
         found.map_or(Step::Sampled, Step::Burst)

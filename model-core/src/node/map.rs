@@ -427,10 +427,26 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         if self.map.is_current() { self.voltage.voltage(&state.voltage) } else { 0.0 }
     }
 
+    /// Does a part of what a whole block asks for; whether there was one.
+    fn evaluate_block(&self, burst: &mut Burst<P>, voltage: f32) -> bool {
+        if self.bank.transform(&mut burst.bank) {
+            return true;
+        }
+        let lines = self.bank.lines(&mut burst.bank);
+        lines.inspect(|lines| burst.blocks.add(&self.map, lines, voltage)).is_some()
+    }
+
+    /// Does one of the three parts of what a whole burst asks for: the bins of its last block, their lines, what the burst says, which is given.
+    fn evaluate(&self, state: &mut MapState<P, ACTIONS>) -> Option<Finding> {
+        let voltage = self.voltage_of_map(state);
+        let is_of_block = self.evaluate_block(&mut state.burst, voltage);
+        (!is_of_block).then(|| self.take(state, voltage))
+    }
+
     /// Takes in what a whole burst says.
     #[inline(never)]
     fn take(&self, state: &mut MapState<P, ACTIONS>, voltage: f32) -> Finding {
-        let predicted = core::mem::take(&mut state.burst).blocks.predicted(&self.map, voltage);
+        let predicted = core::mem::take(&mut state.burst.blocks).predicted(&self.map, voltage);
         let (finding, output) = match predicted.finding {
             Finding::Line | Finding::Broadband | Finding::Rest => (predicted.finding, predicted.lower),
             Finding::TwoMotions => self.decide(state, &predicted),
@@ -528,6 +544,9 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
     #[inline(never)]
     fn wake(&self, state: &mut MapState<P, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
         let seconds = now.saturating_sub(Self::second(state));
+        if state.burst.blocks.is_whole && self.evaluate(state).is_none() {
+            return Wake { task: Task::Sleep, again_in: 0, read: code.is_some() };
+        }
         if state.burst.missing > 0 {
             let left = self.longest.saturating_sub(seconds);
             if now >= Self::second(state) && left > 0 {
@@ -553,7 +572,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
             state.latest.miss();
         }
         self.pass(state, seconds);
-        if state.burst.missing > 0 {
+        if state.burst.missing > 0 || state.burst.blocks.is_whole {
             self.give_up(state);
         }
         let mut of_gain = None;
@@ -563,9 +582,12 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         self.with_burst(state, wake)
     }
 
-    /// Cost: that of [`LineBank::take`]; a look-up for each whole block.
+    /// Cost: that of [`LineBank::take`], but for the end of the last block.
     #[inline(never)]
     fn samples(&self, state: &mut MapState<P, ACTIONS>, samples: &[i16]) -> Progress {
+        if state.burst.blocks.is_whole {
+            return Progress::Done(self.evaluate(state));
+        }
         let voltage = self.voltage_of_map(state);
         let burst = &mut state.burst;
         if burst.missing == 0 {
@@ -578,18 +600,17 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         let clipped = self.parameters.sensor.clipped;
         burst.blocks.is_damaged |= left.iter().any(|&sample| sample >= clipped || sample <= -clipped);
         while !left.is_empty() {
-            let (taken, lines) = self.bank.take(&mut burst.bank, left);
-            if taken == 0 {
+            let taken = self.bank.sum(&mut burst.bank, left);
+            // The block before these samples is full.
+            if taken == 0 && !self.evaluate_block(burst, voltage) {
                 break;
             }
             burst.missing = burst.missing.saturating_sub(taken as u32);
             left = left.get(taken..).unwrap_or(&[]);
-            if let Some(lines) = lines {
-                burst.blocks.add(&self.map, &lines, voltage);
-            }
         }
-        if burst.missing == 0 {
-            return Progress::Done(self.take(state, voltage));
+        burst.blocks.is_whole = burst.missing == 0;
+        if burst.blocks.is_whole {
+            return Progress::Done(None);
         }
         Progress::More(burst.start_up.saturating_add(burst.missing))
     }

@@ -31,7 +31,7 @@ pub trait Tier: Configuration {
     /// As [`Tier::wake`] after a time without calls.
     fn wake_after(&self, state: &mut Self::State, gap: Outage, code: Option<u32>) -> Wake;
 
-    /// Takes samples of a burst, in order, as many as the FIFO has.
+    /// Takes samples of a burst, in order, as many as the FIFO has. Of a burst that is complete it does a part of the evaluation and takes none.
     fn samples(&self, _state: &mut Self::State, _samples: &[i16]) -> Progress {
         Progress::Idle
     }
@@ -275,8 +275,9 @@ impl TickClock {
 pub enum Progress {
     /// So many samples are still missing.
     More(u32),
-    /// The burst is complete: switch the sensor off, and wake.
-    Done(Finding),
+    /// The burst is complete: switch the sensor off, and wake. What it found is known after some more calls, without samples; a wake does
+    /// in place of such a call what is left, a part at a time.
+    Done(Option<Finding>),
     /// No burst is under way: switch the sensor off.
     Idle,
 }

@@ -4,7 +4,7 @@
 use core::cell::UnsafeCell;
 use core::hint::black_box;
 
-use model_core::node::{Outage, Task, Tier, VoltageNode, Wake};
+use model_core::node::{Outage, Progress, Task, Tier, VoltageNode, Wake};
 use model_core::snapshot::{image_size, newest_image, save_image};
 
 use super::{BY_VOLTAGE, PAGE, Register, Registers, run};
@@ -232,11 +232,14 @@ fn calls<N: Tier<State: Copy>, const IMAGE: usize>(node: &N, stack: u32) {
     let mut wake = Wake { task: Task::Sleep, again_in: 0, read: true };
     while reading.number < READINGS {
         if let Task::Burst { samples: mut left } = wake.task {
+            let mut progress = Progress::Idle;
             while left > 0 {
                 let line = core::array::from_fn::<_, 128, _>(|n| LINE[(n + left as usize) % LINE.len()]);
-                let kind = if left > 128 { &mut samples } else { &mut block };
-                kind.time(counter, || _ = black_box(node.samples(&mut state, black_box(&line))));
+                samples.time(counter, || progress = node.samples(&mut state, black_box(&line)));
                 left = left.saturating_sub(128);
+            }
+            while progress == Progress::Done(None) {
+                block.time(counter, || progress = node.samples(&mut state, black_box(&[])));
             }
             second += BURST / RATE;
         }

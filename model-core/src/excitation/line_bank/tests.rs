@@ -200,6 +200,12 @@ fn the_tables_are_rounded_cosines_and_sines() {
             }
         }
     }
+    // Quarter turns and turns back are exact: the sections of a block are folded by them.
+    for (whole, part) in [8, 16, 32].into_iter().flat_map(|whole| (0..whole).map(move |part| (whole, part))) {
+        let [cosine, sine] = turned(part, whole, ROTATION);
+        let others = [part + whole / 4, whole - part].map(|part| turned(part, whole, ROTATION));
+        assert_eq!(others, [[sine, -cosine], [cosine, -sine]], "{part}/{whole}");
+    }
     // Gravity and its multiples vanish exactly.
     let sum = bank().reference.iter().fold([0; 2], |[a, b], [c, s]| [a + c, b + s]);
     assert_eq!(sum, [0; 2]);

@@ -131,6 +131,8 @@ pub(super) struct Blocks {
     doubles: u32,
     /// Whether the sensor was at its end, or samples were lost.
     pub(super) is_damaged: bool,
+    /// Whether they are all, and to be evaluated.
+    pub(super) is_whole: bool,
     /// Output power of the smaller and the larger motion, and its bounds.
     powers: [f32; 4],
     /// The largest amplitude with its frequency.

@@ -145,9 +145,10 @@ impl<'a, F: Fn(u32) -> (f64, f64)> Plant<'a, F> {
             counts.push(((9.81 + amplitude * phase.sin()) / UNIT + noise).round() as i16);
         }
         for part in counts.chunks(128) {
-            if let Progress::Done(finding) = self.node.samples(&mut self.state, part) {
-                self.findings.push(finding);
-            }
+            self.node.samples(&mut self.state, part);
+        }
+        while let Progress::Done(finding) = self.node.samples(&mut self.state, &[]) {
+            self.findings.extend(finding);
         }
         self.live(samples.div_ceil(RATE));
     }
@@ -334,9 +335,14 @@ fn a_burst_that_is_lost_or_damaged_has_no_value_and_the_next_one_waits() {
     state.ask_for_burst();
     let Task::Burst { samples } = node.wake(&mut state, 120, Some(3001)).task else { panic!("no burst") };
     node.samples_lost(&mut state);
-    assert_eq!(node.samples(&mut state, &vec![1000; samples as usize]), Progress::Done(Finding::Damaged));
+    assert_eq!(node.samples(&mut state, &vec![1000; samples as usize]), Progress::Done(None));
+    // Each call does a part, and a wake as well as one of samples.
+    let (mut woken, parts) = (state, [None, None, Some(Finding::Damaged)]);
+    assert_eq!(parts.map(|_| node.samples(&mut state, &[])), parts.map(Progress::Done));
+    let wakes = parts.map(|_| node.wake(&mut woken, 130, None));
+    assert_eq!(wakes.map(|wake| wake.again_in > 0), parts.map(|part| part.is_some()));
     // A reset within a burst.
-    node.wake(&mut state, 130, None);
+    assert_eq!((node.wake(&mut state, 130, None), state), (wakes[2], woken));
     state.ask_for_burst();
     assert!(matches!(node.wake(&mut state, 240, Some(3002)).task, Task::Burst { .. }));
     let wake = node.wake_after(&mut state, Outage::OnUntil(241), None);
