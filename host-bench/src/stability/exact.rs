@@ -108,13 +108,16 @@ pub(super) fn relative(found: f64, exact: f64) -> f64 {
     if found == exact { 0.0 } else { ((found - exact) / exact).abs() }
 }
 
-/// Whether the reference gives a quantity of `exact`, which is its own, at larger tolerances too. It does not where it
-/// resolves a stiff circuit or a noise of kHz badly, and where a power is that of its rounding.
+/// Whether the reference gives a quantity of `exact`, which is its own, under a base or from a start that differs by [`SHIFT`] and at larger
+/// tolerances too. It does not where it resolves a stiff circuit or a noise of kHz badly, and where a power is that of its rounding.
 pub(super) fn reference_repeats(
     scene: &Scene,
     most_attempts: u64,
     (exact, quantity, allowed): (&Numbers, Quantity, f64),
 ) -> bool {
+    // At a kink of the base a step ends at every tolerance.
+    let shifted = shifted(scene, SHIFT);
+    let scene = shifted.as_ref().unwrap_or(scene);
     LOOSER_TOLERANCES.into_iter().all(|(tolerance, part)| {
         by_reference(scene, most_attempts, tolerance)
             .is_some_and(|looser| looser.error(exact, quantity) <= part * allowed)

@@ -63,55 +63,6 @@ pub(crate) struct Flow<'a, H> {
     pub(crate) tolerance: f64,
 }
 
-/// Where the next steps of a flow end.
-#[derive(Debug, Clone, Copy)]
-struct Pace {
-    /// Length in s of the next step by its error; 0 at the start of a flow.
-    next: f64,
-    /// Local time in s shortly before an event.
-    aim: f64,
-    /// Length in s of the step over that event.
-    fine: f64,
-    /// Longest step in s.
-    longest: f64,
-}
-
-impl Pace {
-    fn new(base: &LocalBase) -> Self {
-        // The base keeps its polynomials of two such spans; without a frequency it has none.
-        let longest = 1.0 / (8.0 * base.highest_frequency());
-        Self { next: 0.0, aim: f64::INFINITY, fine: 0.0, longest }
-    }
-
-    /// Length of the next step in s, and the longest one.
-    fn lengths(&self, from: f64, span: f64) -> [f64; 2] {
-        let event = if from + 0.25 * self.fine < self.aim { self.aim - from } else { self.fine };
-        [self.next, event.min(span - from).min(self.longest)]
-    }
-
-    /// Whether a step is too long for the event in it at a local time; the next ones lead up to that event.
-    fn is_too_long(&mut self, arc: &Arc, event: f64) -> bool {
-        let length = arc.to - arc.from;
-        if length <= (1.5 * self.fine).max(64.0 * f64::EPSILON * arc.to) {
-            return false;
-        }
-        if self.fine == 0.0 {
-            self.fine = FINE * length;
-        }
-        self.aim = event - 0.5 * self.fine;
-        true
-    }
-
-    /// Goes on after a step without an event.
-    fn advance(&mut self, arc: &Arc) {
-        self.next = arc.next;
-        // The event that the polynomial of a longer step had was none.
-        if arc.from + self.fine >= self.aim {
-            self.aim = f64::INFINITY;
-        }
-    }
-}
-
 impl<'a, H: Harvester> Flow<'a, H> {
     /// Flows for `span` seconds or until an event, and shows each step to `watch`. Gives the integrals over the
     /// flow and the event; `last` is the motion at the end, or the last good one.
@@ -124,7 +75,10 @@ impl<'a, H: Harvester> Flow<'a, H> {
     ) -> Result<FlowEnd<H>, Reason> {
         let integrator =
             Integrator::new(self.harvester, self.base, self.start, (self.scales, self.tolerance));
-        let (mut search, mut sums, mut pace) = (self.search(), Integrals::default(), Pace::new(self.base));
+        let (mut search, mut sums) = (self.search(), Integrals::default());
+        // The base keeps its polynomials of two such spans; without a frequency it has none.
+        let smooth = 1.0 / (8.0 * self.base.highest_frequency());
+        let (mut next, mut longest, mut fine) = (0.0, smooth, 0.0);
         let mut checked = (effort.steps, 0.0);
         loop {
             if effort.steps > checked.0 + STALL {
@@ -133,11 +87,15 @@ impl<'a, H: Harvester> Flow<'a, H> {
                 }
                 checked = (effort.steps, last.0);
             }
-            let arc = integrator.step(last, pace.lengths(last.0, span), &sums, effort)?;
+            let arc = integrator.step(last, [next, longest.min(span - last.0)], &sums, effort)?;
             let motion = |t: f64| self.start.with(&arc.at(t)[0]);
-            let mut searched = search;
+            let (mut searched, length) = (search, arc.to - arc.from);
             let (turns, event) = self.cut(&mut searched, &arc, &motion);
-            if event.is_some_and(|(at, _)| pace.is_too_long(&arc, at)) {
+            if let Some((at, _)) = event
+                && length > f64::max(1.5 * fine, 64.0 * f64::EPSILON * arc.to)
+            {
+                fine = if fine == 0.0 { FINE * length } else { fine };
+                longest = fine.max(at - arc.from - 0.5 * fine).min(smooth);
                 continue;
             }
             let (end, integrals) = match event {
@@ -150,8 +108,7 @@ impl<'a, H: Harvester> Flow<'a, H> {
             let (motion, voltage_rate, exact) = (&motion, &voltage_rate, &exact);
             watch(&Step { start: *last, end, turns, motion, voltage_rate, exact, integrals })?;
             add(&mut sums, 1.0, &integrals);
-            (search, *last) = (searched, end);
-            pace.advance(&arc);
+            (search, *last, next, longest) = (searched, end, arc.next, smooth);
             if !self.harvester.is_in_range(&end.1) {
                 return Err(Reason("the motion left the model".to_owned()));
             }

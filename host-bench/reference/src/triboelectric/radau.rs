@@ -37,9 +37,6 @@ const MOST_FAILURES: usize = 50;
 /// A time in s within which no motion changes.
 const SHORTEST: f64 = 1e-30;
 
-/// Iterations of Newton's method that one attempt may have.
-const MOST_ITERATIONS: usize = 10;
-
 /// Change of the states over their tolerance at which the crate's iteration ends. A stiff voltage far below its size needs it small.
 const NEWTON: f64 = 1e-5;
 
@@ -111,17 +108,13 @@ fn divided(mut states: [States; 4]) -> [States; 4] {
     states
 }
 
-/// What the crate says.
 fn reason(error: Error<f64, States>) -> Reason {
-    match error {
-        Error::BadInput { msg } | Error::LinearAlgebra { msg, .. } => Reason(format!("integrator: {msg}")),
-        _ => Reason("integrator: the crate gives up".to_owned()),
-    }
+    Reason(format!("integrator: {error:?}"))
 }
 
 /// The equations of a flow with the tolerances of states and integrals.
-pub(super) struct Integrator<'a> {
-    equations: &'a dyn Equations,
+pub(super) struct Integrator<'a, H> {
+    equations: &'a H,
     base: &'a LocalBase,
     /// A motion in the regime of the flow.
     regime: Motion,
@@ -133,30 +126,7 @@ pub(super) struct Integrator<'a> {
     integrals: Integrals,
 }
 
-/// The equations of a harvester behind a reference, so that the integrator is compiled once for all harvesters.
-trait Equations {
-    fn rates(&self, motion: &Motion, base: f64) -> [f64; Motion::STATES];
-
-    fn rates_along(&self, motion: &Motion, change: &Motion) -> [f64; Motion::STATES];
-
-    fn integrands(&self, motion: &Motion, base: f64) -> Integrals;
-}
-
-impl<H: Harvester> Equations for H {
-    fn rates(&self, motion: &Motion, base: f64) -> [f64; Motion::STATES] {
-        Harvester::rates(self, motion, base)
-    }
-
-    fn rates_along(&self, motion: &Motion, change: &Motion) -> [f64; Motion::STATES] {
-        Harvester::rates_along(self, motion, change)
-    }
-
-    fn integrands(&self, motion: &Motion, base: f64) -> Integrals {
-        Harvester::integrands(self, motion, base)
-    }
-}
-
-impl ODE<f64, States> for Integrator<'_> {
+impl<H: Harvester> ODE<f64, States> for Integrator<'_, H> {
     fn diff(&self, t: f64, states: &States, rates: &mut States) {
         *rates = self.equations.rates(&self.regime.with(states), self.base.at(t));
     }
@@ -168,9 +138,9 @@ impl ODE<f64, States> for Integrator<'_> {
     }
 }
 
-impl<'a> Integrator<'a> {
+impl<'a, H: Harvester> Integrator<'a, H> {
     /// The equations of a flow that starts with a motion, with its sizes and the relative tolerance.
-    pub(super) fn new<H: Harvester>(
+    pub(super) fn new(
         harvester: &'a H,
         base: &'a LocalBase,
         start: Motion,
@@ -202,12 +172,11 @@ impl<'a> Integrator<'a> {
         from: f64,
         states: &States,
         length: f64,
-    ) -> Result<impl OrdinaryNumericalMethod<f64, States> + Interpolation<f64, States> + use<>, Reason> {
+    ) -> Result<impl OrdinaryNumericalMethod<f64, States> + Interpolation<f64, States> + use<H>, Reason> {
         let mut method = ImplicitRungeKutta::radau5()
             .rtol([self.relative; Motion::STATES])
             .atol(self.absolute)
             .newton_tol(NEWTON)
-            .max_newton_iter(MOST_ITERATIONS)
             .h0(length);
         method.init(self, from, f64::INFINITY, states).map_err(reason)?;
         Ok(method)
