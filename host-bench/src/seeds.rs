@@ -268,9 +268,7 @@ fn probability(freedom: u32, t: f64) -> f64 {
 
 /// The `t` within `±` which Student's t with `freedom` degrees of freedom, at least 1, is with a probability.
 pub(crate) fn quantile(freedom: u32, confidence: f64) -> f64 {
-    let excess = |t: f64| Ok::<f64, std::convert::Infallible>(probability(freedom.max(1), t) - confidence);
-    let Ok(t) = far_side(excess, 0.0, 1e3);
-    t
+    far_side(|t| probability(freedom.max(1), t) - confidence, 0.0, 1e3)
 }
 
 #[cfg(test)]

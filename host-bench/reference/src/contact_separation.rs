@@ -6,11 +6,12 @@ use std::f64::consts::TAU;
 
 use super::triboelectric::{
     CircuitKind, Counts, Dense, ElectricalPort, Guards, Harvester, Jump, LoadCircuit, Mode, Motion, Sample,
-    Scales, crossing,
+    Scales,
 };
 use harvester_scene::outcome::{
     CONTACT_SEPARATION_COLUMNS, ContactSeparationOutcome, Particular, with_store,
 };
+use harvester_scene::root::far_side;
 use harvester_scene::scene_file::ForceLaw;
 
 pub(super) use physics::Physics as ContactSeparation;
@@ -236,7 +237,7 @@ impl Guards for ImpactSearch {
         if before.position <= 0.0 {
             return Some((begin, Impact));
         }
-        Some((crossing(|t| motion(t).position, begin, end), Impact))
+        Some((far_side(|t| motion(t).position, begin, end), Impact))
     }
 }
 

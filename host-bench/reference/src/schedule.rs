@@ -105,18 +105,14 @@ impl Recorder {
     }
 
     /// Records the rows that are due until `time` in s; `at` makes the row of a time in s.
-    pub(super) fn until<E>(
-        &mut self,
-        time: f64,
-        mut at: impl FnMut(f64) -> Result<Vec<f64>, E>,
-    ) -> Result<(), E> {
+    pub(super) fn until(&mut self, time: f64, mut at: impl FnMut(f64) -> Vec<f64>) {
         loop {
             let due = self.rows.len() as f64 * self.every;
             // Rounding may place the row at the end of the run just after the end.
             if due > time * (1.0 + 4.0 * f64::EPSILON) {
-                return Ok(());
+                return;
             }
-            self.rows.push(at(due)?);
+            self.rows.push(at(due));
         }
     }
 }

@@ -9,9 +9,10 @@ use std::f64::consts::TAU;
 use super::ledger::{Integrals, integral};
 use super::triboelectric::{
     Branch, CircuitKind, Counts, Dense, ElectricalPort, Guards, Harvester, Jump, LoadCircuit, Mode, Motion,
-    Sample, Scales, crossing,
+    Sample, Scales,
 };
 use harvester_scene::outcome::{Particular, SLIDING_COLUMNS, SlidingOutcome, with_store};
+use harvester_scene::root::far_side;
 use harvester_scene::scene_file::ForceLaw;
 
 pub(super) use physics::Physics as Sliding;
@@ -290,7 +291,7 @@ impl Guards for SlipGuards {
         let mut cuts = Vec::new();
         for [left, right] in [[from, middle], [middle, to]] {
             if (acceleration(left) > 0.0) != (acceleration(right) > 0.0) {
-                cuts.push(crossing(acceleration, left, right));
+                cuts.push(far_side(acceleration, left, right));
             }
             cuts.push(right);
         }
@@ -305,7 +306,7 @@ impl Guards for SlipGuards {
     ) -> Option<(f64, SlipEvent)> {
         let ([displacement, velocity], reach) = (self.clearance, self.reach);
         let Branch { direction, side } = self.branch;
-        let crossing = |value: &dyn Fn(&Motion) -> f64| crossing(|t| value(&motion(t)), begin, end);
+        let crossing = |value: &dyn Fn(&Motion) -> f64| far_side(|t| value(&motion(t)), begin, end);
         let away = side * after.position;
         let place = if away >= reach {
             Some((crossing(&|motion| side * motion.position - reach), SlipEvent::End))

@@ -9,7 +9,7 @@ mod stick;
 
 use cpu_time::ThreadTime;
 
-pub(crate) use self::bridge::{ElectricalPort, crossing};
+pub(crate) use self::bridge::ElectricalPort;
 use self::flow::{Event, Flow};
 pub(crate) use self::harvester::{
     Branch, CircuitKind, Counts, Dense, Guards, Harvester, Jump, LoadCircuit, Mode, Motion, Sample, Scales,

@@ -1,7 +1,5 @@
 //! Meters and energy ledger of a bump-stop run.
 
-use std::convert::Infallible;
-
 use super::propagator::{Moments, Propagator};
 use super::regime::Regime;
 use super::system::{Row, System, value};
@@ -157,7 +155,7 @@ impl<'a> Meter<'a> {
         let Self { recorder: Some(recorder), system, has_stop, .. } = self else { return };
         let tick = regime.propagator.tick();
         let mut vector = Vec::new();
-        let Ok(()) = recorder.until(time + length, |due| {
+        recorder.until(time + length, |due| {
             let ticks = ((due - time).clamp(0.0, length) / tick) as u64;
             regime.propagator.advance(start, ticks, &mut vector);
             let of = |row: &Row| value(row, &vector);
@@ -167,7 +165,7 @@ impl<'a> Meter<'a> {
             let (voltage, force, base) = (of(&system.voltage), of_stop(&regime.force), of(&system.base));
             let mut row = vec![due, tip, stop_point, face, voltage, force, base];
             row.extend(system.storage.map(|_| of(&system.storage_voltage)));
-            Ok::<_, Infallible>(row)
+            row
         });
     }
 

@@ -14,18 +14,10 @@
 //! bridge shares the charge at once. A bus is a storage with `1/C_s = 0`. The state of the storage is the voltage gained since the
 //! start, so that a large storage does not lose the charge of one cycle in rounding.
 
-use std::convert::Infallible;
-
 use crate::ledger::{Integrals, integral};
 use crate::storage::Storage;
 use harvester_scene::root::far_side;
 use harvester_scene::scene_file::Draw;
-
-/// The zero between two local times of a value that has opposite signs there, on the side of the second.
-pub(crate) fn crossing(value: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
-    let Ok(at) = far_side(|t| Ok::<_, Infallible>(value(t)), from, to);
-    at
-}
 
 /// State of a bridge and of the storage; not used without a bridge.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -325,7 +317,7 @@ impl<'a> SwitchSearch<'a> {
         };
         let end = guard(to);
         if end > 0.0 {
-            return Some(crossing(guard, from, to));
+            return Some(far_side(guard, from, to));
         }
         if end < -2.0 * floor
             && let Some(latch) = latch

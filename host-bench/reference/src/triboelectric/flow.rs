@@ -8,11 +8,12 @@
 
 use std::cell::RefCell;
 
-use super::bridge::{Switch, SwitchSearch, crossing, earlier};
+use super::bridge::{Switch, SwitchSearch, earlier};
 use super::harvester::{Dense, Guards, Harvester, Motion, Sample, Scales, SceneEvent};
 use super::radau::{Arc, Integrator, Reason};
 use crate::ledger::{Effort, Integrals, add};
 use harvester_scene::base_motion::LocalBase;
+use harvester_scene::root::far_side;
 
 /// Length of the step over an event, as a part of the step in which it was found.
 const FINE: f64 = 2e-3;
@@ -33,7 +34,7 @@ pub(crate) struct Step<'a> {
     /// Rate in V/s of the voltage where it is a state, by the polynomial.
     pub(crate) voltage_rate: &'a Dense<'a, f64>,
     /// Motion at a local time between the ends, by a step to it.
-    pub(crate) exact: &'a dyn Fn(f64) -> Result<Motion, Reason>,
+    pub(crate) exact: &'a Dense<'a, Motion>,
     /// Integrals over the step.
     pub(crate) integrals: Integrals,
 }
@@ -71,7 +72,7 @@ impl<'a, H: Harvester> Flow<'a, H> {
         span: f64,
         effort: &mut Effort,
         last: &mut Sample,
-        watch: &mut dyn FnMut(&Step<'_>) -> Result<(), Reason>,
+        watch: &mut dyn FnMut(&Step<'_>),
     ) -> Result<FlowEnd<H>, Reason> {
         let integrator =
             Integrator::new(self.harvester, self.base, self.start, (self.scales, self.tolerance));
@@ -103,10 +104,13 @@ impl<'a, H: Harvester> Flow<'a, H> {
                 None => ((arc.to, self.start.with(&arc.end)), arc.integrals),
             };
             let work = RefCell::new(&mut *effort);
-            let exact = |t: f64| Ok(integrator.go(last, t, &sums, &mut work.borrow_mut())?.0.1);
+            let exact = |t: f64| {
+                let there = integrator.go(last, t, &sums, &mut work.borrow_mut());
+                there.map_or_else(|_| motion(t), |((_, there), _)| there)
+            };
             let voltage_rate = |t: f64| arc.at(t)[1][2];
             let (motion, voltage_rate, exact) = (&motion, &voltage_rate, &exact);
-            watch(&Step { start: *last, end, turns, motion, voltage_rate, exact, integrals })?;
+            watch(&Step { start: *last, end, turns, motion, voltage_rate, exact, integrals });
             add(&mut sums, 1.0, &integrals);
             (search, *last, next, longest) = (searched, end, arc.next, smooth);
             if !self.harvester.is_in_range(&end.1) {
@@ -140,7 +144,7 @@ impl<'a, H: Harvester> Flow<'a, H> {
         for cut in guards.cuts(&acceleration, arc.from, arc.to) {
             let end = (cut, motion(cut));
             if begin.1.velocity != 0.0 && (begin.1.velocity > 0.0) != (end.1.velocity > 0.0) {
-                let turn = crossing(|t| motion(t).velocity, begin.0, cut);
+                let turn = far_side(|t| motion(t).velocity, begin.0, cut);
                 let end = (turn, motion(turn));
                 if let Some(event) = guards.event(motion, begin, end) {
                     return Some(event);

@@ -1,15 +1,12 @@
 //! Meters and energy ledgers of a triboelectric run.
 
-use std::convert::Infallible;
-
-use super::bridge::crossing;
 use super::flow::Step;
 use super::harvester::{CircuitKind, Counts, Harvester, Motion};
-use super::radau::Reason;
 use super::stick::Stick;
 use crate::ledger::{Effort, Ledger, Totals, integral};
 use crate::schedule::Recorder;
 use harvester_scene::base_motion::LocalBase;
+use harvester_scene::root::far_side;
 use harvester_scene::scene_file::Scene;
 
 /// Everything that is summed or compared along a run.
@@ -38,7 +35,7 @@ impl<'a, H: Harvester> Meter<'a, H> {
     }
 
     /// Measures one step of a flow that began at `start` seconds.
-    pub(crate) fn watch(&mut self, start: f64, base: &LocalBase, step: &Step<'_>) -> Result<(), Reason> {
+    pub(crate) fn watch(&mut self, start: f64, base: &LocalBase, step: &Step<'_>) {
         self.ledger.compare(self.energies(&step.end.1));
         // The base power changes sign twice a period. The error of the step around that is far below the
         // accuracy that the scale of a residual needs.
@@ -48,7 +45,7 @@ impl<'a, H: Harvester> Meter<'a, H> {
             self.compare(&step.start.1);
             self.compare(&step.end.1);
             for turn in &step.turns {
-                self.compare(&(step.exact)(*turn)?);
+                self.compare(&(step.exact)(*turn));
             }
             // By the equations the rate of a fast circuit is a difference of rounded numbers.
             let is_state = self.harvester.load().kind == CircuitKind::Dynamic;
@@ -60,14 +57,14 @@ impl<'a, H: Harvester> Meter<'a, H> {
                 }
             };
             if (slope(from) > 0.0) != (slope(to) > 0.0) {
-                self.compare(&(step.exact)(crossing(slope, from, to))?);
+                self.compare(&(step.exact)(far_side(slope, from, to)));
             }
         }
         self.record_until(start + to, |harvester, time| {
             let local = (time - start).clamp(from, to);
-            let motion = (step.exact)(local)?;
-            Ok((motion, [harvester.voltage(&motion), base.at(local), 0.0]))
-        })
+            let motion = (step.exact)(local);
+            (motion, [harvester.voltage(&motion), base.at(local), 0.0])
+        });
     }
 
     /// Measures the first `elapsed` seconds of a stick that began at `start` seconds.
@@ -80,10 +77,10 @@ impl<'a, H: Harvester> Meter<'a, H> {
             // The voltage only falls.
             self.peak_voltage = self.peak_voltage.max(stick.load_voltage(0.0).abs());
         }
-        let Ok(()) = self.record_until(start + elapsed, |_, time| {
+        self.record_until(start + elapsed, |_, time| {
             let local = (time - start).clamp(0.0, elapsed);
             let row = [stick.load_voltage(local), stick.base.at(local), 1.0];
-            Ok::<_, Infallible>((stick.motion(local), row))
+            (stick.motion(local), row)
         });
     }
 
@@ -114,19 +111,15 @@ impl<'a, H: Harvester> Meter<'a, H> {
 
     /// Records the rows that are due; `at` gives the motion at a time, the load voltage in V, the base
     /// acceleration in m/s², and 1 in stick.
-    fn record_until<E>(
-        &mut self,
-        time: f64,
-        at: impl Fn(&H, f64) -> Result<(Motion, [f64; 3]), E>,
-    ) -> Result<(), E> {
-        let Self { recorder: Some(recorder), harvester, .. } = self else { return Ok(()) };
+    fn record_until(&mut self, time: f64, at: impl Fn(&H, f64) -> (Motion, [f64; 3])) {
+        let Self { recorder: Some(recorder), harvester, .. } = self else { return };
         recorder.until(time, |due| {
-            let (motion, [voltage, base, stick]) = at(harvester, due)?;
+            let (motion, [voltage, base, stick]) = at(harvester, due);
             let charge = harvester.charge(&motion);
             let mut row = vec![due, motion.position, motion.velocity, charge, voltage, base, stick];
             row.extend(harvester.load().storage.map(|storage| storage.voltage(&motion.bridge)));
-            Ok(row)
-        })
+            row
+        });
     }
 
     /// Energies in J: mechanical, electrical, and the gain of the storage since the start.

@@ -5,12 +5,12 @@
 
 use std::convert::Infallible;
 
-use super::bridge::{Bridge, Switch, crossing};
+use super::bridge::{Bridge, Switch};
 use super::harvester::{CircuitKind, Harvester, Motion};
 use crate::ledger::{Integrals, add, integral};
 use crate::storage::Storage;
 use harvester_scene::base_motion::LocalBase;
-use harvester_scene::root::lowest_point;
+use harvester_scene::root::{far_side, lowest_point};
 use harvester_scene::scene_file::{Draw, StickCharge};
 
 /// Time constants after which a charge has relaxed.
@@ -89,7 +89,7 @@ impl<H: Harvester> Stick<'_, H> {
     /// Local time of the release, if it is within `span` seconds.
     pub(crate) fn release(&self, span: f64) -> Option<f64> {
         let reserve = |t: f64| self.harvester.reserve(&self.motion(t), self.base.at(t));
-        let crossing = |from: f64, to: f64| Some(crossing(|t| -reserve(t), from, to));
+        let crossing = |from: f64, to: f64| Some(far_side(|t| -reserve(t), from, to));
         let (mut before, mut left) = (None, 0.0);
         let mut from = reserve(left);
         if from < 0.0 {
@@ -264,7 +264,7 @@ impl StorageInStick<'_> {
             if above(span) > 0.0 {
                 return None;
             }
-            Some(crossing(above, 0.0, span))
+            Some(far_side(above, 0.0, span))
         };
         let off = (self.storage.lockout().filter(|_| self.start.connected))
             .and_then(|lockout| crossing(lockout.turn_off_v))

@@ -86,12 +86,8 @@ pub(super) fn series(n: u32, ratio: f64, u: f64) -> f64 {
 fn eigenvalue(tip: f64) -> f64 {
     // A beam without tip mass has 1.8751.
     const ABOVE: f64 = 1.9;
-    let excess = |u: f64| -> Result<f64, std::convert::Infallible> {
-        // sin u cosh u − cos u sinh u = 4 Σ (−4)^k u^(4k+3) / (4k+3)!: its fourth derivative is −4 times it.
-        Ok(u * tip * 4.0 * series(3, -4.0, u) - (1.0 + u.cos() * u.cosh()))
-    };
-    let Ok(root) = far_side(excess, 0.0, ABOVE);
-    root
+    // sin u cosh u − cos u sinh u = 4 Σ (−4)^k u^(4k+3) / (4k+3)!: its fourth derivative is −4 times it.
+    far_side(|u| u * tip * 4.0 * series(3, -4.0, u) - (1.0 + u.cos() * u.cosh()), 0.0, ABOVE)
 }
 
 /// `K1(λ) K2(u) − K0(λ) K3(u)`.

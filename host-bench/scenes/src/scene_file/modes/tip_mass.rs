@@ -8,8 +8,6 @@
 //! Of small `λ` the solutions are the power series of `(cosh u − cos u)/2` and `(sinh u − sin u)/2`, else `e^−u` and
 //! `e^(u − λ)` with the circular functions that clamp them. The integrals are by Gauss's rule.
 
-use std::convert::Infallible;
-
 use super::cantilever::series;
 use super::{BeamMode, Section, eigenvalue as eigenvalue_of_a_free_end, means};
 use crate::root::far_side;
@@ -110,8 +108,7 @@ impl Body {
                 let next = (at + step).min(to);
                 let after = self.determinant(next);
                 if (before > 0.0) != (after > 0.0) {
-                    let Ok(root) = far_side(|u| Ok::<_, Infallible>(self.determinant(u)), at, next);
-                    roots.push(root);
+                    roots.push(far_side(|u| self.determinant(u), at, next));
                 }
                 (at, before) = (next, after);
             }
