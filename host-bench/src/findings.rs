@@ -137,7 +137,7 @@ impl Experiment {
         }
         let warnings: Vec<String> = elsewhere(&scenes)?.into_iter().flatten().collect();
         if let Some(first) = warnings.first() {
-            let quantity = format!("of {} runs these may have other motions: {first}", scenes.len());
+            let quantity = format!("{first}; such runs, of {}", scenes.len());
             let warned = [warnings.len() as f64];
             let warning = |number: &&'static str| check(number, &*quantity, warned, Bound::Reported);
             found.extend(self.numbers.iter().map(warning));
@@ -206,17 +206,19 @@ fn measure_of(
     wanted.into_iter().map(row).collect()
 }
 
-/// The findings with these numbers, in the order of the list; all of them for an empty list.
+/// The findings with these numbers, or of ranges such as 5-8, in the order of the list; all of them for an empty list.
 pub fn wanted(only: &[String]) -> Result<Vec<&'static Finding>, Failure> {
-    if let Some(unknown) =
-        only.iter().find(|number| FINDINGS.iter().all(|finding| finding.number != **number))
-    {
-        let numbers: Vec<&str> = FINDINGS.iter().map(|finding| finding.number).collect();
-        return Err(Failure::Input(format!("--only {unknown}: must be of {}", numbers.join(", "))));
-    }
+    let place = |number: &str| FINDINGS.iter().position(|finding| finding.number == number);
+    let range = |text: &String| {
+        let (first, last) = text.split_once('-').unwrap_or((text, text));
+        let places = place(first).zip(place(last)).filter(|(first, last)| first <= last);
+        let form = "must be of 1, 2, 5a and so on, as docs/findings.md has them, or a range such as 5-8";
+        places.ok_or_else(|| Failure::Input(format!("--only {text}: {form}")))
+    };
+    let ranges = only.iter().map(range).collect::<Result<Vec<_>, _>>()?;
     let is_wanted =
-        |finding: &&Finding| only.is_empty() || only.iter().any(|number| number == finding.number);
-    Ok(FINDINGS.iter().filter(is_wanted).collect())
+        |at: usize| only.is_empty() || ranges.iter().any(|(first, last)| (*first..=*last).contains(&at));
+    Ok(FINDINGS.iter().enumerate().filter(|(at, _)| is_wanted(*at)).map(|(_, finding)| finding).collect())
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ use crate::validation;
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Run time: half a minute on two cores; with --robustness 15 s for each draw")]
 pub struct FindingsArguments {
-    /// Numbers of the findings to measure, such as 8,9 [default: all]
+    /// Numbers of the findings to measure, such as 8,9 or 5-8 [default: all]
     #[arg(long, value_delimiter = ',', value_name = "NUMBERS")]
     only: Vec<String>,
     /// Leave out the runs from displaced starts, which seek other motions at the points from which numbers are taken
