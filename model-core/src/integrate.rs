@@ -22,7 +22,7 @@ mod tr_bdf2;
 use crate::clock::{Instant, seconds_of_ticks};
 use crate::excitation::Excitation;
 use crate::oscillator::{Kernel, Oscillator, Response};
-use crate::scalar::{Scalar, sum, zip_with};
+use crate::scalar::{Scalar, add_increment, sum, zip_with};
 use crate::snapshot::snapshot_fields;
 
 pub use boundary_layer::BoundaryLayer;
@@ -249,6 +249,16 @@ impl<S: Scalar, const N: usize, const P: usize> Point<S, N, P> {
     /// The point of `system` at `state`.
     pub fn at<Y: System<S, N, P>>(system: &Y, state: [S; N], input: S) -> Self {
         Self::with_derivative(system, state, system.flow(&state, input), input)
+    }
+
+    /// The point after `increments` of the state, with `derivative` and the powers of this one.
+    #[inline]
+    fn advanced(&self, derivative: [S; N], increments: [S; N]) -> Self {
+        let mut end = Self { derivative, ..*self };
+        for ((state, remainder), increment) in end.state.iter_mut().zip(&mut end.remainder).zip(increments) {
+            (*state, *remainder) = add_increment(*state, *remainder, increment);
+        }
+        end
     }
 
     /// The point of `system` at `state`, with a derivative that is more accurate than the flow at `state`.

@@ -21,20 +21,16 @@
 
 mod stages;
 
-use self::stages::{AT_START, CUBIC, NODES, Path, STAGES, Stages, solve, weighted};
-use super::{Attempt, BoundaryLayer, CircuitEquation, Input, Method, NotConverged, Point, System, Trial};
+use self::stages::{CUBIC, NODES, Path, Stages, weighted};
+use super::{Attempt, BoundaryLayer, Input, Method, NotConverged, Point, System, Trial};
 use crate::clock::seconds_of_ticks;
 use crate::oscillator::{Kernel, Oscillator, Response};
-use crate::scalar::{Mathematics, Scalar, add_increment};
+use crate::scalar::Scalar;
 
 /// Index of the position in the state.
 const POSITION: usize = 0;
 /// Index of the velocity.
 const VELOCITY: usize = 1;
-
-/// Part of the difference between the power at the start and its extrapolation from the stages that estimates the error
-/// of the energy of a step.
-const ENERGY_ERROR_PART: f64 = 0.05;
 
 /// The exact flow of a linear oscillator with the three-stage Radau IIA method for its circuit.
 ///
@@ -80,46 +76,6 @@ pub struct Prediction<S> {
     /// Predicted change of the force over the step.
     rise: S,
     change: Change<S>,
-}
-
-/// Product of step and relaxation below which the stages resolve a boundary layer.
-const RESOLVED: f64 = 0.05;
-
-/// Adds what the quadrature of the stages misses of the energy of a boundary layer.
-///
-/// In the layer the rate exceeds the one that follows the motion by `e exp(−λ τ)`. The integral of its square is exact
-/// here; the stages find the same exponential by the method. The mixed term is linear and needs no correction.
-#[cold]
-#[inline(never)]
-fn add_layer<S: Scalar, const N: usize, const P: usize, Y: System<S, N, P>>(
-    system: &Y,
-    start: &Point<S, N, P>,
-    layer: &BoundaryLayer<S>,
-    step: S,
-    energies: &mut [S; P],
-) {
-    let relaxation = layer.relaxation;
-    let turns = step * relaxation;
-    if !(turns > S::from_f64(RESOLVED)) {
-        return;
-    }
-    let decay = CircuitEquation { inertia: S::ONE, stiffness: relaxation, drive: S::ONE };
-    let squares = solve(&[decay; 3], step).map(|increment| increment * increment);
-    let exact = (S::ONE - S::Build::exponential(-(turns + turns))) / (relaxation + relaxation);
-    let missing = exact - weighted(&STAGES[2], &squares) / step;
-    let excess = layer.excess(start.derivative[Y::CIRCUIT]);
-    for (energy, more) in energies.iter_mut().zip(system.quadratic_energies(excess * excess * missing)) {
-        *energy += more;
-    }
-}
-
-/// The estimated error of the energy of a step per second: a part of the difference between the first power at the start
-/// and its extrapolation from the stages.
-#[inline(always)]
-fn energy_error_rate<S: Scalar, const P: usize>(start: &[S; P], stages: &[[S; P]; 3]) -> S {
-    let [first, second, third] = stages.map(|powers| powers.first().copied().unwrap_or(S::ZERO));
-    let extrapolated = weighted(&AT_START, &[first, second, third]);
-    S::from_f64(ENERGY_ERROR_PART) * (start.first().copied().unwrap_or(S::ZERO) - extrapolated)
 }
 
 impl<S: Scalar> Prediction<S> {
@@ -272,49 +228,20 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         increments[POSITION] = change.displacement;
         increments[VELOCITY] = change.velocity;
         increments[Y::CIRCUIT] = stages.changes[2];
-        let mut end = *start;
-        for ((state, remainder), increment) in end.state.iter_mut().zip(&mut end.remainder).zip(increments) {
-            (*state, *remainder) = add_increment(*state, *remainder, increment);
-        }
-        end.derivative = [S::ZERO; N];
+        let mut end = start.advanced([S::ZERO; N], increments);
         if let Some(prediction) = prediction {
             end.derivative[POSITION] = end.state[VELOCITY];
             end.derivative[VELOCITY] = prediction.end_acceleration(&end, force);
         }
         end.derivative[Y::CIRCUIT] = stages.increments[2] / step;
-        let inputs = match prediction {
-            Some(prediction) => [prediction.response.start, prediction.response.end],
-            None => [0, ticks].map(|offset| input.at(offset)),
+        let ([first, last], settled) = match prediction {
+            Some(Prediction { response, layer, rate, .. }) => {
+                ([response.start, response.end], (*layer, *rate))
+            }
+            None => ([0, ticks].map(|offset| input.at(offset)), attempt.settled_rate(system)),
         };
-        end.powers = system.powers(&end.state, &end.derivative, inputs[1]);
-        let powers = [
-            stages.powers(system, attempt, &end.derivative, 0),
-            stages.powers(system, attempt, &end.derivative, 1),
-            end.powers,
-        ];
-        let mut energies = powers[0];
-        for ((energy, second), third) in energies.iter_mut().zip(&powers[1]).zip(&powers[2]) {
-            *energy = step * weighted(&STAGES[2], &[*energy, *second, *third]);
-        }
-        system.correct_energies(&start.state, &end.state, &mut energies);
-        let (layer, rate) = match prediction {
-            Some(prediction) => (prediction.layer, prediction.rate),
-            None => attempt.settled_rate(system),
-        };
-        if let Some(layer) = &layer
-            && stages.active
-        {
-            add_layer(system, start, layer, step, &mut energies);
-        }
-        // Without a layer the first power is that at the end of the step before.
-        let at_start = if layer.is_some() {
-            let mut settled = start.derivative;
-            settled[Y::CIRCUIT] = rate;
-            system.powers(&start.state, &settled, inputs[0])
-        } else {
-            start.powers
-        };
-        let energy_error = step * energy_error_rate(&at_start, &powers);
+        end.powers = system.powers(&end.state, &end.derivative, last);
+        let (energies, energy_error) = stages.energies(system, attempt, &end, settled, first);
         let sum = end.state.iter().chain(&end.derivative).fold(error + energy_error, |sum, &term| sum + term);
         if !sum.is_finite() {
             return Err(NotConverged);

@@ -3,7 +3,7 @@
 use super::boundary_layer::without_layer;
 use super::{Attempt, Input, Method, NotConverged, System, Trial};
 use crate::clock::seconds_of_ticks;
-use crate::scalar::{Scalar, add_increment, sum, zip_with};
+use crate::scalar::{Scalar, sum, zip_with};
 
 /// The classical explicit Runge–Kutta method of fourth order, without an error estimate.
 ///
@@ -73,11 +73,8 @@ impl<S: Scalar> Method<S> for RungeKutta4 {
         let change4 = scaled(step, &k3);
         let k4 = system.flow_from(start, &change4, end_input);
 
-        let mut end = *start;
         let change = weighted(step, &k1, &sum(&k2, &k3), &k4);
-        for ((state, remainder), increment) in end.state.iter_mut().zip(&mut end.remainder).zip(change) {
-            (*state, *remainder) = add_increment(*state, *remainder, increment);
-        }
+        let mut end = start.advanced(start.derivative, change);
         end.derivative = if Y::CARRIED {
             system.flow_from(start, &change, end_input)
         } else {

@@ -2,9 +2,9 @@
 //! others 1985).
 
 use super::boundary_layer::without_layer;
-use super::{Attempt, Base, Input, Method, NotConverged, Point, System, Trial};
+use super::{Attempt, Base, Input, Method, NotConverged, System, Trial};
 use crate::clock::seconds_of_ticks;
-use crate::scalar::{Scalar, add_increment, sum, zip_with};
+use crate::scalar::{Scalar, sum, zip_with};
 
 /// Weight of the implicit stage derivative, `d = γ/2 = 1 − 1/√2`.
 const D: f64 = 0.292_893_218_813_452_475_6;
@@ -89,20 +89,6 @@ impl<S: Scalar, Y, F, const N: usize, const P: usize> Stage<'_, S, Y, F, N, P> {
     }
 }
 
-/// The point after `increment`, with the rates `derivative` and the powers of the start.
-#[inline]
-fn advanced<S: Scalar, const N: usize, const P: usize>(
-    start: &Point<S, N, P>,
-    derivative: [S; N],
-    increment: [S; N],
-) -> Point<S, N, P> {
-    let mut end = Point { derivative, ..*start };
-    for ((state, remainder), increment) in end.state.iter_mut().zip(&mut end.remainder).zip(increment) {
-        (*state, *remainder) = add_increment(*state, *remainder, increment);
-    }
-    end
-}
-
 /// The input at the intermediate stage: in a short step between two ticks, because a motion that starts from rest resolves
 /// less than a tick of its excitation.
 #[inline]
@@ -155,7 +141,7 @@ impl<S: Scalar> Method<S> for TrBdf2 {
 
         let per_weight = S::ONE / weight;
         let derivative_of = |z: &[S; N]| -> [S; N] { z.map(|z| z * per_weight) };
-        let mut end = advanced(start, derivative_of(&z_end), sum(&carried, &z_end));
+        let mut end = start.advanced(derivative_of(&z_end), sum(&carried, &z_end));
         end.powers = system.powers(&end.state, &end.derivative, end_input);
 
         let middle_state = sum(&start.state, &sum(&z_start, &z_middle));

@@ -3,14 +3,14 @@
 
 use super::{Change, POSITION, VELOCITY};
 use crate::clock::seconds_of_ticks;
-use crate::integrate::{Attempt, CircuitEquation, Input, Point, System};
-use crate::scalar::Scalar;
+use crate::integrate::{Attempt, BoundaryLayer, CircuitEquation, Input, Point, System};
+use crate::scalar::{Mathematics, Scalar};
 
 const ROOT_SIX: f64 = 2.449_489_742_783_178_098_2;
 /// The nodes of Radau IIA.
 pub(super) const NODES: [f64; 3] = [(4.0 - ROOT_SIX) / 10.0, (4.0 + ROOT_SIX) / 10.0, 1.0];
 /// The matrix of Radau IIA; its last row is the quadrature.
-pub(super) const STAGES: [[f64; 3]; 3] = [
+const STAGES: [[f64; 3]; 3] = [
     [(88.0 - 7.0 * ROOT_SIX) / 360.0, (296.0 - 169.0 * ROOT_SIX) / 1800.0, (3.0 * ROOT_SIX - 2.0) / 225.0],
     [(296.0 + 169.0 * ROOT_SIX) / 1800.0, (88.0 + 7.0 * ROOT_SIX) / 360.0, (-3.0 * ROOT_SIX - 2.0) / 225.0],
     [(16.0 - ROOT_SIX) / 36.0, (16.0 + ROOT_SIX) / 36.0, 1.0 / 9.0],
@@ -35,8 +35,11 @@ pub(super) const CUBIC: [[f64; 3]; 3] = {
     weights
 };
 /// Weights of the stages in the parabola through them, at the start.
-pub(super) const AT_START: [f64; 3] = [LAGRANGE[0][0], LAGRANGE[1][0], LAGRANGE[2][0]];
+const AT_START: [f64; 3] = [LAGRANGE[0][0], LAGRANGE[1][0], LAGRANGE[2][0]];
 
+/// Part of the difference between the power at the start and its extrapolation from the stages that estimates the error
+/// of the energy of a step.
+const ENERGY_ERROR_PART: f64 = 0.05;
 /// Part of the correction of the motion that estimates the error of the corrected motion.
 const MOTION_ERROR_PART: f64 = 1.0 / 16.0;
 /// Weights of a change of the force at the end, times `h²` and `h`, in the displacement and the velocity that a further pass would add.
@@ -224,6 +227,44 @@ impl<S: Scalar> Stages<S> {
         system.powers(&state, &derivative, input.at(part))
     }
 
+    /// The energies of a step to `end`, and the estimated error of the first. `layer` is the boundary layer at the start, with the
+    /// rate of the circuit's state after it; `input` is the acceleration at the start.
+    #[inline]
+    pub(super) fn energies<const N: usize, const P: usize, Y: System<S, N, P>>(
+        &self,
+        system: &Y,
+        attempt: &Attempt<'_, S, impl Input<S>, N, P>,
+        end: &Point<S, N, P>,
+        (layer, rate): (Option<BoundaryLayer<S>>, S),
+        input: S,
+    ) -> ([S; P], S) {
+        let (start, step) = (attempt.start, seconds_of_ticks::<S>(attempt.ticks));
+        let powers = [
+            self.powers(system, attempt, &end.derivative, 0),
+            self.powers(system, attempt, &end.derivative, 1),
+            end.powers,
+        ];
+        let mut energies = powers[0];
+        for ((energy, second), third) in energies.iter_mut().zip(&powers[1]).zip(&powers[2]) {
+            *energy = step * weighted(&STAGES[2], &[*energy, *second, *third]);
+        }
+        system.correct_energies(&start.state, &end.state, &mut energies);
+        if let Some(layer) = &layer
+            && self.active
+        {
+            add_layer(system, start, layer, step, &mut energies);
+        }
+        // Without a layer the first power is that at the end of the step before.
+        let at_start = if layer.is_some() {
+            let mut settled = start.derivative;
+            settled[Y::CIRCUIT] = rate;
+            system.powers(&start.state, &settled, input)
+        } else {
+            start.powers
+        };
+        (energies, step * energy_error_rate(&at_start, &powers))
+    }
+
     /// Sets the error of the corrected motion, as a change of the state.
     ///
     /// It is a part of the correction by the bend of the force, or what a further pass would change: more where the force
@@ -238,6 +279,46 @@ impl<S: Scalar> Stages<S> {
     }
 }
 
+/// Product of step and relaxation below which the stages resolve a boundary layer.
+const RESOLVED: f64 = 0.05;
+
+/// Adds what the quadrature of the stages misses of the energy of a boundary layer.
+///
+/// In the layer the rate exceeds the one that follows the motion by `e exp(−λ τ)`. The integral of its square is exact
+/// here; the stages find the same exponential by the method. The mixed term is linear and needs no correction.
+#[cold]
+#[inline(never)]
+fn add_layer<S: Scalar, const N: usize, const P: usize, Y: System<S, N, P>>(
+    system: &Y,
+    start: &Point<S, N, P>,
+    layer: &BoundaryLayer<S>,
+    step: S,
+    energies: &mut [S; P],
+) {
+    let relaxation = layer.relaxation;
+    let turns = step * relaxation;
+    if !(turns > S::from_f64(RESOLVED)) {
+        return;
+    }
+    let decay = CircuitEquation { inertia: S::ONE, stiffness: relaxation, drive: S::ONE };
+    let squares = solve(&[decay; 3], step).map(|increment| increment * increment);
+    let exact = (S::ONE - S::Build::exponential(-(turns + turns))) / (relaxation + relaxation);
+    let missing = exact - weighted(&STAGES[2], &squares) / step;
+    let excess = layer.excess(start.derivative[Y::CIRCUIT]);
+    for (energy, more) in energies.iter_mut().zip(system.quadratic_energies(excess * excess * missing)) {
+        *energy += more;
+    }
+}
+
+/// The estimated error of the energy of a step per second: a part of the difference between the first power at the start
+/// and its extrapolation from the stages.
+#[inline(always)]
+fn energy_error_rate<S: Scalar, const P: usize>(start: &[S; P], stages: &[[S; P]; 3]) -> S {
+    let [first, second, third] = stages.map(|powers| powers.first().copied().unwrap_or(S::ZERO));
+    let extrapolated = weighted(&AT_START, &[first, second, third]);
+    S::from_f64(ENERGY_ERROR_PART) * (start.first().copied().unwrap_or(S::ZERO) - extrapolated)
+}
+
 /// `Σ_j weights_j increments_j`.
 #[inline]
 pub(super) fn weighted<S: Scalar>(weights: &[f64; 3], increments: &[S; 3]) -> S {
@@ -248,7 +329,7 @@ pub(super) fn weighted<S: Scalar>(weights: &[f64; 3], increments: &[S; 3]) -> S 
 
 /// Solves `inertia_i z_i + h stiffness_i Σ_j a_ij z_j = h drive_i`. All leading minors are positive, so no row is exchanged.
 #[inline(always)]
-pub(super) fn solve<S: Scalar>(equations: &[CircuitEquation<S>; 3], step: S) -> [S; 3] {
+fn solve<S: Scalar>(equations: &[CircuitEquation<S>; 3], step: S) -> [S; 3] {
     let [one, two, three] = *equations;
     let row = |equation: &CircuitEquation<S>, weights: &[f64; 3]| {
         let stiffness = step * equation.stiffness;
