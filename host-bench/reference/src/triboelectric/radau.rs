@@ -37,6 +37,9 @@ const MOST_FAILURES: usize = 50;
 /// A time in s within which no motion changes.
 const SHORTEST: f64 = 1e-30;
 
+/// Iterations of one attempt: the crate refuses one that takes more, and a looser tolerance has longer steps.
+const MOST_ITERATIONS: usize = 12;
+
 /// Change of the states over their tolerance at which the crate's iteration ends. A stiff voltage far below its size needs it small.
 const NEWTON: f64 = 1e-5;
 
@@ -177,6 +180,7 @@ impl<'a, H: Harvester> Integrator<'a, H> {
             .rtol([self.relative; Motion::STATES])
             .atol(self.absolute)
             .newton_tol(NEWTON)
+            .max_newton_iter(MOST_ITERATIONS)
             .h0(length);
         method.init(self, from, f64::INFINITY, states).map_err(reason)?;
         Ok(method)
