@@ -153,8 +153,9 @@ pub trait Mathematics<S: Scalar>: Copy + Debug + PartialEq + 'static {
 
 /// `Σ coefficients[k] x^k` by Horner's rule.
 #[inline]
-pub(crate) fn horner<S: Scalar, const N: usize>(coefficients: &[S; N], x: S) -> S {
-    coefficients.iter().rev().fold(S::ZERO, |sum, &coefficient| sum * x + coefficient)
+pub(crate) fn horner<S: Scalar>(coefficients: &[S], x: S) -> S {
+    let Some((&highest, lower)) = coefficients.split_last() else { return S::ZERO };
+    lower.iter().rev().fold(highest, |sum, &coefficient| sum * x + coefficient)
 }
 
 /// An angle in radians as a fraction of a turn in units of 2⁻⁶⁴; `None` unless finite and below 2²⁰ turns.

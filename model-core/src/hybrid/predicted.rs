@@ -189,21 +189,20 @@ where
         let [step, beyond] = [ticks, most.saturating_sub(ticks)].map(seconds_of_ticks::<S>);
         let mut first: Option<Fall> = None;
         self.each_guard(point, ticks, |index, end| {
-            let is_above = end.value > S::ZERO;
-            if done & bit(index) != 0 || certain && is_above {
-                return;
-            }
+            let (is_above, rises) = (end.value > S::ZERO, end.rate > S::ZERO);
             // Without a start the guard falls soon after the end: a step that ended just before an event would be followed by
             // a short one.
-            let start = (!is_above || end.rate > S::ZERO).then(|| self.guard(index, self.start, 0));
+            let stays = is_above && (certain || !rises && !(end.value < -end.rate * beyond));
+            if stays || done & bit(index) != 0 {
+                return;
+            }
+            let start = (!is_above || rises).then(|| self.guard(index, self.start, 0));
             // A guard that rises at both ends can have a minimum, but not below zero if its cubic's third Bernstein coefficient
             // is above.
             let least = S::from_f64(1.0 / 3.0) * step * end.rate.max(S::ZERO);
-            let stays = match &start {
-                None => !(end.value < -end.rate * beyond),
-                Some(start) => end.value > least && !(start.rate < S::ZERO) || certain && start.is_due(),
-            };
-            if stays {
+            if start.as_ref().is_some_and(|start| {
+                end.value > least && !(start.rate < S::ZERO) || certain && start.is_due()
+            }) {
                 return;
             }
             let falls = approximate_fall(start, end, [ticks, most]);

@@ -266,6 +266,7 @@ fn fourth_series<S: Scalar>(x: S, order: u32, factor: S) -> S {
 }
 
 /// Sine and cosine of an angle in radians.
+#[inline(never)]
 fn sine_and_cosine<S: Scalar>(angle: S) -> (S, S) {
     let phase = turns_of_radians(angle).unwrap_or(0);
     (S::Build::sine_of_turns(phase), S::Build::cosine_of_turns(phase))

@@ -24,6 +24,8 @@ pub(crate) struct DiscOverlap<S> {
     pub inert: S,
 }
 
+/// Below this `ξ²`, the terms of `s2/ξ` beyond the first five are below a rounding of `f64`.
+const NARROW: f64 = 1e-3;
 /// Up to this `ξ`, `s2/ξ` is a polynomial in `ξ²`; beyond it, `s1/(1 − ξ)^{3/2}` is a polynomial in `1 − ξ`,
 /// because `s1` has a branch point at `ξ = 1` that a plain polynomial does not follow.
 const JOINT_F32: f64 = 0.8;
@@ -88,9 +90,9 @@ impl<S: Scalar> DiscOverlap<S> {
     pub(crate) fn at(xi: S) -> Self {
         // Constant in each precision: the other branch is not compiled.
         if S::EPSILON > S::from_f64(1e-10) {
-            Self::in_two_pieces(xi, JOINT_F32, &INNER_F32, &OUTER_F32)
+            Self::in_two_pieces(xi, JOINT_F32, (&INNER_F32, 0), &OUTER_F32)
         } else {
-            Self::in_two_pieces(xi, JOINT_F64, &INNER_F64, &OUTER_F64)
+            Self::in_two_pieces(xi, JOINT_F64, (&INNER_F64, 5), &OUTER_F64)
         }
     }
 
@@ -98,13 +100,17 @@ impl<S: Scalar> DiscOverlap<S> {
     fn in_two_pieces<const I: usize, const O: usize>(
         xi: S,
         joint: f64,
-        inner: &[f64; I],
+        (inner, narrow): (&[f64; I], usize),
         outer: &[f64; O],
     ) -> Self {
         if xi > S::from_f64(joint) {
             Self::outer_piece(xi, outer)
         } else {
-            let inert = xi * horner(&inner.map(S::from_f64), xi * xi);
+            let (terms, square) = (inner.map(S::from_f64), xi * xi);
+            let (lower, higher) = terms.split_at_checked(narrow).unwrap_or_default();
+            let is_narrow = narrow > 0 && square < S::from_f64(NARROW);
+            let higher = if is_narrow { S::ZERO } else { horner(higher, square) };
+            let inert = xi * lower.iter().rev().fold(higher, |sum, &term| sum * square + term);
             Self { active: S::ONE - inert, inert }
         }
     }

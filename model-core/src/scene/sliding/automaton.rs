@@ -12,9 +12,7 @@ use crate::scalar::Scalar;
 
 /// Guard of [`Mode::Sliding`] for the corner of the overlap, zero displacement; the other guard is zero velocity.
 const CORNER: usize = 0;
-/// Guard of [`Mode::Stick`] for a release towards negative displacement.
-const BACKWARD: usize = 0;
-/// Guard of [`Mode::Stick`] for a release towards positive displacement.
+/// Guard of [`Mode::Stick`] for a release towards positive displacement; the other guard, 0, is for one towards negative.
 const FORWARD: usize = 1;
 
 impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
@@ -43,27 +41,25 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
         }
     }
 
-    /// The margin of static friction over the load in either direction, and its rate.
+    /// The margins of static friction over the load, against a release backward and forward, and their rates.
     ///
     /// Outlined: the compiler would otherwise evaluate the excitation for it in a slide too.
     #[cold]
     #[inline(never)]
-    fn release_guard<E: Excitation<S>>(
+    fn release_guards<E: Excitation<S>, const POWERS: usize>(
         &self,
-        index: usize,
-        displacement: S,
-        [charge, charge_rate]: [S; 2],
+        point: &Point<S, STATES, POWERS>,
         input: &InputAt<'_, E>,
-    ) -> Guard<S> {
+    ) -> [Guard<S>; 2] {
+        let [displacement, _, charge] = point.state;
         let [[pull, pull_by_charge], [hold, hold_by_charge]] =
             self.balance(displacement, charge, input.acceleration());
-        let pull_rate = self.base_coupling * input.jerk() + pull_by_charge * charge_rate;
-        let hold_rate = hold_by_charge * charge_rate;
-        if index == BACKWARD {
-            Guard { value: hold - pull, rate: hold_rate - pull_rate }
-        } else {
-            Guard { value: hold + pull, rate: hold_rate + pull_rate }
-        }
+        let pull_rate = self.base_coupling * input.jerk() + pull_by_charge * point.derivative[CHARGE];
+        let hold_rate = hold_by_charge * point.derivative[CHARGE];
+        [
+            Guard { value: hold - pull, rate: hold_rate - pull_rate },
+            Guard { value: hold + pull, rate: hold_rate + pull_rate },
+        ]
     }
 
     /// The jump to `mode` with unchanged displacement.
@@ -119,6 +115,12 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 }
 
+/// The margin of a guard's number, by an index that cannot be out of range.
+#[inline]
+fn of_release<S: Scalar>([backward, forward]: &[Guard<S>; 2], index: usize) -> Guard<S> {
+    if index == FORWARD { *forward } else { *backward }
+}
+
 impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> for Sliding<S, P> {
     type Mode = Mode;
     type Flow<'a>
@@ -147,10 +149,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
     ) -> Guard<S> {
         let (forward, ahead) = match mode {
             Mode::Sliding { forward, ahead } => (forward, ahead),
-            Mode::Stick if Self::STICKS => {
-                let [displacement, _, charge] = point.state;
-                return self.release_guard(index, displacement, [charge, point.derivative[CHARGE]], input);
-            }
+            Mode::Stick if Self::STICKS => return of_release(&self.release_guards(point, input), index),
             Mode::Stick => (true, true),
         };
         let [displacement, velocity, _] = point.state;
@@ -166,6 +165,23 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
             Guard { value: value + lowered, rate }
         } else {
             Guard { value: lowered - value, rate: -rate }
+        }
+    }
+
+    #[inline(always)]
+    fn each_guard<E: Excitation<S>>(
+        &self,
+        mode: Mode,
+        armed: bool,
+        point: &Point<S, STATES, POWERS>,
+        input: &InputAt<'_, E>,
+        mut take: impl FnMut(usize, Guard<S>),
+    ) {
+        let is_stick = Self::STICKS && matches!(mode, Mode::Stick);
+        let releases = is_stick.then(|| self.release_guards(point, input));
+        for index in 0..Automaton::<S, STATES, POWERS>::guards(self, mode) {
+            let alone = || self.guard(mode, index, armed, point, input);
+            take(index, releases.map_or_else(alone, |releases| of_release(&releases, index)));
         }
     }
 
