@@ -112,6 +112,9 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
         S::ZERO
     }
 
+    /// Part of the accuracy of a step that its extension to an event may be off, at least a rounding.
+    const EXTENSION_PART: f64 = 1e-5;
+
     /// Whether the system states its split form, by the functions below: [`ExponentialRadau`] needs it.
     ///
     /// The first two states of a split system are a position and its velocity. The others follow one linear circuit equation.
@@ -141,7 +144,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// Circuit and force at a displacement in m from `start` and a velocity in m/s.
     #[inline(always)]
     fn stage(&self, _start: &Point<S, N, P>, _displacement: S, _velocity: S) -> Stage<S> {
-        Stage { circuit: None, force: [S::ZERO; 3] }
+        Stage { circuit: None, force: [S::ZERO; 3], power: None }
     }
 
     /// Whether the circuit equation of a stage holds at any change of the circuit's state. If not,
@@ -220,6 +223,8 @@ pub struct Stage<S> {
     pub circuit: Option<CircuitEquation<S>>,
     /// The force per mass in m/s² besides the linear part and the base acceleration: coefficients of 1, `Δy` and `Δy²`.
     pub force: [S; 3],
+    /// The first power in W, where [`System::correct_energies`] knows its energy: alone, it only states the error of the step.
+    pub power: Option<S>,
 }
 
 impl<S: Scalar> Stage<S> {

@@ -17,6 +17,9 @@ pub(super) const fn bit(index: usize) -> u32 {
 /// Most attempts to locate the events of one step. Newton's iteration needs two or three per event; bisection of 2³² ticks needs 32.
 pub(super) const MOST_ATTEMPTS: u32 = 40;
 
+/// Guards at a point by their numbers, if the automaton [keeps](Automaton::KEEPS_GUARDS) them.
+pub(super) type Memo<S> = [Option<Guard<S>>; 5];
+
 /// The result of a search.
 pub(super) struct Located<S, const N: usize, const P: usize> {
     pub(super) trial: Trial<S, N, P>,
@@ -38,6 +41,8 @@ pub(super) struct Attempts<'a, S: Scalar, A: Automaton<S, N, P>, E, M, C, const 
     /// The length of the first attempt.
     pub(super) planned: u32,
     pub(super) after_jump: bool,
+    /// Guards at the start.
+    pub(super) memo: &'a Memo<S>,
 }
 
 impl<'a, S, A, E, M, C, const N: usize, const P: usize> Attempts<'a, S, A, E, M, C, N, P>
@@ -56,7 +61,7 @@ where
     }
 
     /// The accuracy to which implicit equations are solved.
-    #[inline(always)]
+    #[inline]
     pub(super) fn accuracy(&self) -> S {
         self.driver.control.accuracy(self.planned, self.scale)
     }
@@ -97,11 +102,21 @@ where
         self.automaton.each_guard(self.mode, self.armed, point, &input, take);
     }
 
-    /// A guard below zero at the end of a step.
+    /// Guard number `index` at the start of the step.
+    #[inline]
+    pub(super) fn start_guard(&self, index: usize) -> Guard<S> {
+        let memo = if A::KEEPS_GUARDS { self.memo.get(index).copied().flatten() } else { None };
+        memo.unwrap_or_else(|| self.guard(index, self.start, 0))
+    }
+
+    /// A guard below zero at the end of a step; all of them are put into `memo`.
     #[inline(always)]
-    pub(super) fn fallen(&self, end: &Point<S, N, P>, ticks: u32) -> Option<usize> {
+    pub(super) fn fallen(&self, end: &Point<S, N, P>, ticks: u32, memo: &mut Memo<S>) -> Option<usize> {
         let mut fallen = None;
         self.each_guard(end, ticks, |index, guard| {
+            if let Some(entry) = memo.get_mut(index).filter(|_| A::KEEPS_GUARDS) {
+                *entry = Some(guard);
+            }
             fallen = fallen.or((guard.value < S::ZERO).then_some(index));
         });
         fallen

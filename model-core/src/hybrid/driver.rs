@@ -1,6 +1,6 @@
 //! Advances a hybrid state: step, event location, jump.
 
-use super::attempt::{Attempts, MOST_ATTEMPTS, MOST_GUARDS, bit};
+use super::attempt::{Attempts, MOST_ATTEMPTS, MOST_GUARDS, Memo, bit};
 use super::outcome::{Advance, Ended, StepError, StepFailure, Work};
 use super::search::Search;
 use super::{Automaton, HybridState, InputAt};
@@ -49,6 +49,8 @@ struct TakenStep<S, const N: usize, const P: usize> {
     event: Option<usize>,
     /// Whether event location ran; a guard may then be due at the end of the step.
     searched: bool,
+    /// Guards at its end.
+    memo: Memo<S>,
 }
 
 impl<M, C> Driver<M, C> {
@@ -95,6 +97,7 @@ impl<M, C> Driver<M, C> {
         // An event can be due at the first step of a call and after a jump. After an ordinary step the search
         // for a falling guard has excluded it.
         let mut may_be_due = true;
+        let mut memo = [None; 5];
         let mut longest = self.longest_in(automaton, state, excitation, &scale);
         while state.clock < until {
             if work.attempts() > most_attempts {
@@ -102,7 +105,7 @@ impl<M, C> Driver<M, C> {
             }
             let at = state.clock;
             let fail = |failure| StepError { failure, at };
-            let due = if may_be_due { due_event(automaton, state, excitation) } else { None };
+            let due = if may_be_due { due_event(automaton, state, excitation, &mut memo) } else { None };
             may_be_due = false;
             let event = match due {
                 Some(event) => Some(event),
@@ -110,8 +113,9 @@ impl<M, C> Driver<M, C> {
                     let resolved = excitation.smooth_ticks(at).min(longest);
                     let limit = at.ticks_until(until, resolved);
                     let control = state.control;
+                    let limits = [limit, longest_ticks];
                     let Some(taken) = self
-                        .next_step(automaton, state, excitation, [limit, longest_ticks], &scale, &mut work)
+                        .next_step(automaton, state, excitation, limits, (&scale, &memo), &mut work)
                         .map_err(fail)?
                     else {
                         // Rejected: the control memory holds a shorter step.
@@ -136,7 +140,12 @@ impl<M, C> Driver<M, C> {
                     state.clock = state.clock.after(taken.ticks);
                     state.since_event = state.since_event.saturating_add(taken.ticks);
                     state.point = taken.trial.end;
-                    state.armed = state.armed || automaton.rearms(state.mode, &state.point);
+                    // Armed guards are others.
+                    let arms = !state.armed && automaton.rearms(state.mode, &state.point);
+                    state.armed |= arms;
+                    if A::KEEPS_GUARDS {
+                        memo = if arms { [None; 5] } else { taken.memo };
+                    }
                     may_be_due = taken.searched;
                     taken.event
                 }
@@ -178,7 +187,7 @@ impl<M, C> Driver<M, C> {
         state: &mut HybridState<S, A::Mode, N, P>,
         excitation: &impl Excitation<S>,
         [limit, longest_ticks]: [u32; 2],
-        scale: &ErrorScale<S>,
+        (scale, memo): (&ErrorScale<S>, &Memo<S>),
         work: &mut Work,
     ) -> Result<Option<TakenStep<S, N, P>>, StepFailure<S>>
     where
@@ -200,6 +209,7 @@ impl<M, C> Driver<M, C> {
             driver: self,
             scale,
             planned,
+            memo,
             after_jump: M::CARRIES_DERIVATIVES
                 && state.since_event <= if M::PREDICTS { 0 } else { LAYER_TICKS },
         };
@@ -212,7 +222,7 @@ impl<M, C> Driver<M, C> {
             Ok(None)
         };
         let most = state.control.stretched(planned).min(limit);
-        let mut search = Search::within([planned, most]);
+        let (mut search, mut memo) = (Search::within([planned, most]), [None; 5]);
         let (mut taken, mut control) = loop {
             let attempted = if M::PREDICTS {
                 attempts.attempt_to_event(&mut search)
@@ -235,12 +245,12 @@ impl<M, C> Driver<M, C> {
                 state.control = control;
                 return Ok(None);
             }
-            if M::PREDICTS && attempts.must_repeat(&mut trial, &mut search) {
+            if M::PREDICTS && attempts.must_repeat(&mut trial, &mut search, &mut memo) {
                 work.locating = work.locating.wrapping_add(1);
                 continue;
             }
             let Search { ticks, event, .. } = search;
-            break (TakenStep { trial, ticks, event, searched: event.is_some() }, control);
+            break (TakenStep { trial, ticks, event, searched: event.is_some(), memo }, control);
         };
         if taken.ticks < proposed {
             control.keep_proposal(&state.control);
@@ -438,9 +448,13 @@ fn due_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     automaton: &A,
     state: &HybridState<S, A::Mode, N, P>,
     excitation: &impl Excitation<S>,
+    memo: &mut Memo<S>,
 ) -> Option<usize> {
     let (input, mut due) = (InputAt::new(excitation, state.clock), None);
     automaton.each_guard(state.mode, state.armed, &state.point, &input, |index, guard| {
+        if let Some(entry) = memo.get_mut(index).filter(|_| A::KEEPS_GUARDS) {
+            *entry = Some(guard);
+        }
         due = due.or(guard.is_due().then_some(index));
     });
     due

@@ -1,6 +1,6 @@
 //! A step of a method that predicts the motion: its event is located on the prediction, before the circuit is solved.
 
-use super::attempt::{Attempts, bit};
+use super::attempt::{Attempts, Memo, bit};
 use super::search::{Extension, Fall, Next, Reached, Search, ticks_after};
 use super::{Automaton, Guard};
 use crate::clock::seconds_of_ticks;
@@ -11,8 +11,6 @@ use crate::scalar::{Scalar, add_increment};
 /// The least value of a guard along its cubic, relative to its values at both ends, below which the prediction is
 /// evaluated there. The cubic's own error is a hundredth of this.
 const NEAR_ZERO: f64 = 1.0 / 64.0;
-/// Part of the accuracy of a step that the extension to an event may be off, at least a rounding.
-const EXTENSION_PART: f64 = 1e-5;
 
 impl<S, A, E, M, C, const N: usize, const P: usize> Attempts<'_, S, A, E, M, C, N, P>
 where
@@ -41,12 +39,19 @@ where
 
     /// Whether an attempted step must be repeated with [`Search::ticks`] to end at the fall of a guard.
     #[inline(always)]
-    pub(super) fn must_repeat(&self, trial: &mut Trial<S, N, P>, search: &mut Search<S>) -> bool {
+    pub(super) fn must_repeat(
+        &self,
+        trial: &mut Trial<S, N, P>,
+        search: &mut Search<S>,
+        memo: &mut Memo<S>,
+    ) -> bool {
         let fallen = match search.event {
-            None if search.predicted => self.fallen(&trial.end, search.ticks),
+            None if search.predicted => self.fallen(&trial.end, search.ticks, memo),
             event => event,
         };
         if let Some(index) = fallen {
+            // Another end follows, or a jump.
+            *memo = [None; 5];
             // Copies, here and below: every attempt would otherwise be written to memory.
             match self.reaches(search, index, &{ trial.end }) {
                 Reached::Clear if search.event.is_some() => {}
@@ -65,6 +70,9 @@ where
                             break;
                         }
                     }
+                    let Trial { end, energies, .. } = trial;
+                    let flow = self.automaton.flow(self.mode);
+                    flow.correct_energies(&self.start.state, &end.state, energies);
                 }
                 reached => return matches!(reached, Reached::Beyond),
             }
@@ -122,12 +130,13 @@ where
         Extension {
             angular_frequency: self.scale.angular_frequency,
             in_layer: self.after_jump && flow.boundary_layer(&self.start.state).is_some(),
-            cube: (S::from_f64(EXTENSION_PART) * self.accuracy()).max(S::EPSILON),
+            cube: (S::from_f64(<A::Flow<'_> as System<S, N, P>>::EXTENSION_PART) * self.accuracy())
+                .max(S::EPSILON),
         }
     }
 
     /// Whether the search for an event along the predicted motion needs a prediction of [`Search::ticks`].
-    #[inline]
+    #[inline(always)]
     fn continues(&self, search: &mut Search<S>, prediction: &M::Prediction) -> bool {
         let end = self.predicted_end(search.ticks, prediction);
         match search.event {
@@ -196,7 +205,7 @@ where
             if stays || done & bit(index) != 0 {
                 return;
             }
-            let start = (!is_above || rises).then(|| self.guard(index, self.start, 0));
+            let start = (!is_above || rises).then(|| self.start_guard(index));
             // A guard that rises at both ends can have a minimum, but not below zero if its cubic's third Bernstein coefficient
             // is above.
             let least = S::from_f64(1.0 / 3.0) * step * end.rate.max(S::ZERO);
@@ -241,7 +250,6 @@ where
             *energy += missing * (*to + half * turn);
             *to += missing * turn;
         }
-        self.automaton.flow(self.mode).correct_energies(&start.state, &end.state, &mut trial.energies);
     }
 }
 

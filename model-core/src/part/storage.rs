@@ -68,7 +68,9 @@ pub trait StorageElement<S: Scalar>: Copy + Debug + PartialEq {
     /// Derivative of the outflow by the voltage, in A/V.
     #[inline]
     fn outflow_by_voltage(&self, voltage: S, connected: bool) -> S {
-        let [leakage, drawn] = self.by_voltage(voltage);
+        // Without a draw its derivative is not computed.
+        let [leakage, drawn] =
+            if connected { self.by_voltage(voltage) } else { [self.by_voltage(voltage)[0], S::ZERO] };
         if connected { leakage + drawn } else { leakage }
     }
 

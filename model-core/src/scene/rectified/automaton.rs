@@ -225,6 +225,8 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         Flow { scene: self, mode }
     }
 
+    const KEEPS_GUARDS: bool = true;
+
     #[inline]
     fn guards(&self, mode: Self::Mode) -> usize {
         let [own, bridge] = self.counts(mode);

@@ -252,11 +252,12 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let at = scene.circuit(ahead, position, charge);
         let force = self.force(ahead, position, &at);
         if !(self.circuit_rate > S::ZERO) {
-            return Stage { circuit: None, force };
+            return Stage { circuit: None, force, power: None };
         }
         let (before, reached) = (scene.overlap(ahead, from), &at.overlap);
         let rise = reached.inert - before.inert;
-        Stage { circuit: self.equation_at([&before, reached], start.derivative[CHARGE], rise), force }
+        let circuit = self.equation_at([&before, reached], start.derivative[CHARGE], rise);
+        Stage { circuit, force, power: None }
     }
 
     #[inline]
