@@ -342,7 +342,7 @@ fn spacing(table: &Table<'_>, times: &[f64]) -> Result<f64, Failure> {
     if let Some(step) = uneven(usual) {
         let text = format!(
             "time_s = {}: is {} s after the row before: must be uniform, with steps of {} s, or with --resample HZ",
-            times[step + 1],
+            shown(&times[step + 1].into()),
             shown(&steps[step].into()),
             shown(&usual.into())
         );
@@ -353,8 +353,8 @@ fn spacing(table: &Table<'_>, times: &[f64]) -> Result<f64, Failure> {
         !((time - expected).abs() <= UNEVEN * spacing_s)
     };
     if let Some(row) = times.iter().enumerate().position(|(index, &time)| is_off(index, time)) {
-        let steps = shown(&spacing_s.into());
-        let text = format!("time_s = {}: must be uniform, with steps of {steps} s", times[row]);
+        let [time, steps] = [times[row], spacing_s].map(|value| shown(&value.into()));
+        let text = format!("time_s = {time}: must be uniform, with steps of {steps} s");
         return table.refuse_at(row, &text);
     }
     Ok(spacing_s)
