@@ -262,8 +262,7 @@ pub(crate) fn check_quantity(option: &str, name: &str, numbers: &Fields) -> Resu
     }
     let known = numbers.iter().filter(|(key, value)| value.is_number() && irrelevant(key).is_none());
     let known: Vec<&str> = known.map(|(key, _)| key.as_str()).collect();
-    let has_it = || known.iter().copied().find(|known| known.contains(name));
-    let meant = nearest(name, &known).or_else(has_it);
+    let meant = nearest(name, &known).or_else(|| known.iter().copied().find(|known| known.contains(name)));
     let meant = meant.map_or_else(String::new, |meant| format!(", probably {meant}"));
     let reason = format!("must be a number of the result{meant}; run --format json prints all of them");
     Err(Failure::Input(format!("{option} {name}: {reason}")))

@@ -25,6 +25,9 @@ const MARGINS: &str = "impossible_margin>=1";
 
 #[derive(Debug, Clone, clap::Args)]
 #[command(group(clap::ArgGroup::new("sought").required(true)))]
+#[command(
+    override_usage = "host-bench optimise --maximise|--minimise QUANTITY --over KEY=LOW:HIGH[:log] [OPTIONS] SCENE"
+)]
 pub struct OptimiseArguments {
     /// The number of the result that shall be largest, such as mean_power_w
     #[arg(long, alias = "maximize", value_name = "QUANTITY", group = "sought")]

@@ -317,7 +317,6 @@ fn trace(table: &Table<'_>, scene: &Scene, resample_hz: Option<f64>) -> Result<D
             let time = times[0] + index as f64 / rate_hz;
             times[row(index)..].iter().take(2).fold(f64::INFINITY, |least, at| least.min((at - time).abs()))
         };
-        // As for a recording, a hundredth of an interval is no shift.
         let moved = (0..count).filter(|index| shift(*index) * rate_hz > 0.01).count();
         let (file, most) = (table.file.display(), shown(&(0..count).map(shift).fold(0.0, f64::max).into()));
         note(&format!("{file}: of {count} samples {moved} are moved to even times, by at most {most} s"));
@@ -340,11 +339,9 @@ fn spacing(table: &Table<'_>, times: &[f64]) -> Result<f64, Failure> {
     sorted.sort_by(f64::total_cmp);
     let usual = sorted[sorted.len() / 2];
     if let Some(step) = uneven(usual) {
+        let [time, step_s, usual] = [times[step + 1], steps[step], usual].map(|value| shown(&value.into()));
         let text = format!(
-            "time_s = {}: is {} s after the row before: must be uniform, with steps of {} s, or with --resample HZ",
-            shown(&times[step + 1].into()),
-            shown(&steps[step].into()),
-            shown(&usual.into())
+            "time_s = {time}: is {step_s} s after the row before: must be uniform, with steps of {usual} s, or with --resample HZ"
         );
         return table.refuse_at(step + 1, &text);
     }

@@ -31,7 +31,7 @@ fn a_misspelt_required_key_is_told_with_its_line() {
     }
     // The value is that of another unit.
     let scene = file(&folder, "scene.toml", shipped.replace("mass_kg = 5e-3", "mass_g = 5"));
-    refused(&["run", &scene], &["probably mass_kg misspelt, in kg and not in g: 0.005, which is missing"]);
+    refused(&["run", &scene], &["probably mass_kg misspelt, in kg and not in g: 5e-3, which is missing"]);
     let scene = file(&folder, "scene.toml", shipped.replace("[excitation]", "[exitation]"));
     refused(&["run", &scene], &[&format!("{scene}:"), "exitation", "probably excitation misspelt"]);
     // A missing key beside one of another quantity with a like name.

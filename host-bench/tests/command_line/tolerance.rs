@@ -212,7 +212,7 @@ fn bad_tolerances_are_refused() {
             ["BOUND = \"5V\" must be", "in Ω with a prefix or without, not in V"],
         ),
         ("--vary no.key=±5", ["--vary no.key: unknown key", ""]),
-        ("--vary parameters.mas_kg=±2%", ["--vary parameters.mas_kg: unknown key", "probably mass_kg"]),
+        ("--vary parameters.beam_lenght_m=±2%", ["beam_lenght_m: unknown key", "probably beam_length_m"]),
         ("--vary excitation.phase_rad=±5% --set excitation.phase_rad=0", ["another value than 0", ""]),
         // A damping ratio is at least 0.
         ("--vary parameters.damping_ratio=±150%", ["--vary parameters.damping_ratio = -0.0", "from 0 to"]),

@@ -292,8 +292,8 @@ pub fn shown(value: &Value) -> String {
             if plain { rounded().to_string() } else { format!("{value:.5e}") }
         }
         Value::Array(items) => {
-            let has_commas = items.iter().filter_map(Value::as_str).any(|text| text.contains(", "));
-            items.iter().map(shown).collect::<Vec<_>>().join(if has_commas { "; " } else { ", " })
+            let is_long = items.iter().filter_map(Value::as_str).any(|text| text.contains([',', ';']));
+            items.iter().map(shown).collect::<Vec<_>>().join(if is_long { " | " } else { ", " })
         }
         Value::Object(fields) => {
             let parts = fields.iter().map(|(name, value)| format!("{name} {}", shown(value)));

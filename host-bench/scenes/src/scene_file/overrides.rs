@@ -219,7 +219,7 @@ pub(super) fn number_of(key: &str, text: &str) -> Result<f64, String> {
     let (digits, suffix) =
         parts.find(|(head, _)| is_number(head) && head.parse::<f64>().is_ok()).ok_or_else(String::new)?;
     let (rows, suffix) = (rows_of(key), suffix.trim());
-    let unknown = || format!("; {key}, whose unit {suffix} would be, is unknown");
+    let unknown = || format!("; {key} is an unknown key, the command keys lists all");
     let unit = rows.first().ok_or_else(unknown)?.unit;
     let is_of_number = |row: &&Key| {
         matches!(row.value, Value::Number(_) | Value::NumberOrLimits(_) | Value::Whole(_) | Value::Among(_))
