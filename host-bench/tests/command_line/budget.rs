@@ -9,10 +9,12 @@ use super::tool::{
 
 const SHORT: [&str; 4] = ["--set", "run.duration_s=3", "--set", "run.settle_s=2"];
 
-/// Runs `budget` with short windows: what it prints, what stands on standard error, and its picture in a folder of the test.
+/// Runs `budget` with short windows: what it prints, what stands on standard error but for the name of the picture, and its
+/// picture in a folder of the test.
 fn budget(name: &str, file: &str, options: &[&str]) -> [String; 3] {
     let picture = place(&folder(name), "day.svg");
     let [day, told] = printed(&[&["budget", file, "--svg", &picture], &SHORT[..], options].concat());
+    let told = told.replace(&format!("written: {picture}\n"), "");
     [day, told, std::fs::read_to_string(&picture).expect("the picture")]
 }
 

@@ -24,7 +24,7 @@ pub(super) fn text(path: &Path) -> &str {
 }
 
 fn told(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    String::from_utf8_lossy(&output.stderr).replace("\n  ", " ")
 }
 
 /// The binary in a folder, with files of at most so many kilobytes: the system kills it at the write that goes beyond.
