@@ -10,7 +10,7 @@ use crate::outcome::name;
 use crate::report::chart::Chart;
 use crate::report::file;
 use crate::report::page::{Page, escaped};
-use crate::report::setting::margin;
+use crate::report::setting::{margin, named};
 use crate::run::{run_scene, try_each};
 use crate::scene_file::{self, Excitation, Scene, Tone};
 
@@ -118,7 +118,7 @@ impl Subject {
         let scenes = self.scenes();
         let outcomes = each(&scenes, &|| {}, |name| run_scene(&shipped(name)?, &Options::default()))?;
         for (name, outcome) in scenes.iter().zip(outcomes) {
-            chapter.introduction += &format!("<p>{name}{}</p>\n", margin(outcome.margins.smallest_margin));
+            chapter.introduction += &format!("<p>{name}{}</p>\n", margin(named(&outcome.margins)));
         }
         if !single_start {
             for warning in elsewhere(&chapter.points)?.into_iter().flatten() {

@@ -223,9 +223,8 @@ fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) ->
         series.over_time(column).into_iter().filter(|(time, _)| (from..=to).contains(time)).collect()
     };
     let all: Vec<Vec<(f64, f64)>> = series.iter().map(within).collect();
-    let largest = all.iter().flatten().fold(0.0_f64, |largest, (_, value)| largest.max(value.abs()));
     let (word, unit) = number_and_unit(column);
-    let (up, factor) = scaled(&word, unit, largest);
+    let (up, factor) = scaled(&word, unit, all.iter().flatten().map(|point| point.1));
     let mut curves: Vec<Curve> = coloured(series)
         .zip(all)
         .map(|((one, colour), points)| {
@@ -251,10 +250,10 @@ fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) ->
 /// Velocity over position; `None` if no run has both.
 fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let all: Vec<Vec<[f64; 3]>> = series.iter().map(|one| one.portrait(wanted.span_s)).collect();
-    let largest = |of: usize| all.iter().flatten().map(|row| row[of]).fold(0.0_f64, |a, b| a.max(b.abs()));
+    let values = |of: usize| all.iter().flatten().map(move |row| row[of]);
     let column = series.iter().find_map(Series::position)?;
-    let (position, x_factor) = scaled(&number_and_unit(column).0, "m", largest(1));
-    let (velocity, y_factor) = scaled("velocity", "m/s", largest(2));
+    let (position, x_factor) = scaled(&number_and_unit(column).0, "m", values(1));
+    let (velocity, y_factor) = scaled("velocity", "m/s", values(2));
     let curves: Vec<Curve> = coloured(series)
         .zip(all)
         .map(|((one, colour), points)| {
@@ -283,7 +282,7 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let most = all.iter().flatten().max_by(|one, other| one.1.total_cmp(&other.1));
     let (strongest, largest) = most.copied().filter(|(_, largest)| *largest > 0.0)?;
     let (word, unit) = number_and_unit(column);
-    let (name, factor) = scaled(&word, unit, largest);
+    let (name, factor) = scaled(&word, unit, [largest].into_iter());
     // Below a millionth of the largest line there is rounding.
     let floor = 1e-6 * factor * largest;
     // A harmonic and the lines beside it, by the window, are no noise.
@@ -292,9 +291,7 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
         let period = wanted.period_s.unwrap_or(0.0);
         (frequency * period - (frequency * period).round()).abs() > apart * period || period == 0.0
     };
-    let off = |(one, other): (&(f64, f64), &(f64, f64))| {
-        if is_noise(one.0) { (one.1 - other.1).abs() } else { 0.0 }
-    };
+    let off = |(one, other): (&(f64, f64), &(f64, f64))| f64::from(is_noise(one.0)) * (one.1 - other.1).abs();
     // Within a few periods every line is beside a harmonic.
     let coarse = wanted.coarse.filter(|_| all[0].iter().any(|line| is_noise(line.0)));
     let noise = coarse.map(|coarse| all[0].iter().zip(&of(coarse)).map(off).fold(0.0, f64::max));
@@ -303,8 +300,8 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let is_one = series.len() == 1 && all[0].windows(3).filter(is_peak).count() == 1;
     // Under a sine the line is a harmonic, beside which its place is off by the distance of the times.
     let at = wanted.period_s.map_or(strongest, |period| (strongest * period).round() / period);
-    let words = || format!("{word} spectrum: {} at {} alone", with_unit(largest, unit), with_unit(at, "Hz"));
-    let note = if is_one { words() } else { String::new() };
+    let words = format!("{word} spectrum: {} at {} alone", with_unit(largest, unit), with_unit(at, "Hz"));
+    let note = if is_one { words } else { String::new() };
     let last = all.iter().flatten().filter(|line| is_seen(line)).map(|line| line.0).fold(0.0, f64::max);
     let end = if wanted.is_up_to_highest { f64::INFINITY } else { 1.2 * last };
     all.iter_mut().for_each(|points| points.retain(|line| line.0 <= end));
@@ -324,8 +321,10 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let across = Axis::scaled(has(LogAxis::X), "frequency [Hz]", ends);
     if let Some(noise) = noise {
         let level = (factor * noise).max(floor);
-        let below = if noise < 1e-6 * largest { "below " } else { "" };
-        let name = format!("noise floor of a line: {below}{}", with_unit(noise.max(1e-6 * largest), unit));
+        // Runs of a chaotic motion part from each other, however accurate they are.
+        let words = [": below", ":", ", by two chaotic runs:"];
+        let words = words[[1e-6, 1e-3].partition_point(|part| noise > part * largest)];
+        let name = format!("noise floor of a line{words} {}", with_unit(noise.max(1e-6 * largest), unit));
         curves.push(Curve::new(name, BLACK, Mark::Dashes(1.2), ends.map(|frequency| (frequency, level))));
     }
     let bottom = if has(LogAxis::Y) { floor } else { 0.0 };

@@ -16,10 +16,10 @@ use crate::input::{MOST_OF_DATA, text as text_of};
 use crate::method::{Failure, Options};
 use crate::motion;
 use crate::name::Name;
-use crate::outcome::{Fields, Format, Outcome, fields, flattened, text};
+use crate::outcome::{Fields, Format, Outcome, fields, flattened, shown, text};
 use crate::report::Picture;
 use crate::report::page::{Page, escaped};
-use crate::report::setting::setting;
+use crate::report::setting::{margin, named, setting};
 use crate::resolution::natural_frequency_hz;
 use crate::rows::Rows;
 use crate::scene_file::{self, Override, Scene, number_at};
@@ -84,7 +84,6 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), Failure> {
     let limits = Rows::of(&outcome.margins.limits);
     let table = limits.table(presets::NOTHING, &limits.plain(), 1);
     let sections = [
-        ("Scene", Ok(words(written))),
         ("Resonance", curve(&points, FREQUENCY, |driven| frequencies(&scene, &outcome, driven), false)),
         ("Load curve", curve(&points, RESISTANCE, |load| [0.03 * load, 30.0 * load], true)),
         ("Motion", motion.map(|motion| Picture { text: text(&numbers, Format::Table), ..motion })),
@@ -95,9 +94,15 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), Failure> {
         ),
         ("Tolerance", tolerance),
         ("Day of the node", day),
+        ("Scene", Ok(words(written))),
     ];
     let title = motion::title(file, &outcome.method, &setting(&scene, &[]));
-    let page = page(&title, sections)?;
+    let [power, voltage, error] =
+        ["mean_power_w", "rms_voltage_v", "accuracy_total"].map(|name| shown(&numbers[name]));
+    let margin = margin(named(&outcome.margins));
+    let short =
+        format!("Mean power {power} W (stated relative error {error}), RMS voltage {voltage} V{margin}.");
+    let page = page(&title, &short, sections)?;
     if arguments.output.is_none() {
         make_folder(&report_folder())?;
     }
@@ -106,8 +111,9 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), Failure> {
 }
 
 /// The page of the sections by their headings. Where one failed, it says why.
-fn page(title: &str, sections: [(&str, Result<Picture, Failure>); 8]) -> Result<Page, Failure> {
+fn page(title: &str, short: &str, sections: [(&str, Result<Picture, Failure>); 8]) -> Result<Page, Failure> {
     let mut page = Page::new(title);
+    page.add(&format!("<p>{}</p>\n", escaped(short)));
     page.note(
         "The motion has an accuracy statement. Points of curves and samples of the tolerance are single runs without one.",
     );
@@ -196,5 +202,5 @@ fn parts(outcome: &Outcome) -> [Fields; 2] {
 fn frequencies(scene: &Scene, outcome: &Outcome, driven: f64) -> [f64; 2] {
     let is_near = |natural: &f64| (driven / 3.0..3.0 * driven).contains(natural);
     let natural = natural_frequency_hz(scene, outcome).filter(is_near).unwrap_or(driven);
-    [0.8 * driven.min(natural), 1.2 * driven.max(natural)]
+    [0.9 * driven.min(natural), 1.1 * driven.max(natural)]
 }

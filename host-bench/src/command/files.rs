@@ -204,7 +204,7 @@ impl Outputs {
     }
 }
 
-fn refusal(option: &str, path: &Path, reason: &str) -> Failure {
+pub(super) fn refusal(option: &str, path: &Path, reason: &str) -> Failure {
     let space = if option.is_empty() { "" } else { " " };
     Failure::Input(format!("{option}{space}{}: {reason}", path.display()))
 }

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::files::Outputs;
 use super::map::Range;
+use super::on_target::rows::percent;
 use super::{FileArguments, NODE, check_overrides, json_text, one_more, print, progress, set_option, warn};
 use crate::method::{Failure, Options, Precision};
 use crate::name::Name;
@@ -352,12 +353,6 @@ fn points(study: &Study) -> String {
         ),
         _ => study.corners.iter().map(corner).collect(),
     }
-}
-
-fn percent(value: Option<f64>) -> String {
-    // No sign of a change that rounds to nothing.
-    let shown = |value: f64| format!("{:.3} %", 100.0 * value).replace("-0.000 %", "0.000 %");
-    value.map_or_else(|| "-".to_owned(), shown)
 }
 
 /// Heading of the changes of the largest displacement or gap.

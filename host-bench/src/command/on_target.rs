@@ -2,7 +2,7 @@
 
 mod cores;
 mod node;
-mod rows;
+pub(super) mod rows;
 mod work_precision;
 
 use std::path::PathBuf;

@@ -12,8 +12,8 @@ use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
 use crate::name::Name;
 use crate::optimise::{Constraint, Optimum, Point, Range, Request, Runs, most_runs, optimise, picture};
-use crate::outcome::{Format, folded, small, text};
-use crate::report::setting::margin;
+use crate::outcome::{Format, folded, shown, small, text};
+use crate::report::setting::{margin, named, number_and_unit};
 use crate::scene_file::Scene;
 
 /// Points of the grid for each of one to four keys.
@@ -124,7 +124,9 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<(), Failure> {
     let found = found?;
     found.warnings().for_each(|warning| warn(warning));
     let name = Name::of_file(file).line();
-    let title = format!("{name}: {}{}", request.quantity, margin(found.outcome.margins.smallest_margin));
+    let sought = if request.is_largest { "largest" } else { "smallest" };
+    let words = number_and_unit(&request.quantity).0;
+    let title = format!("{name}: {sought} {words}{}", margin(named(&found.outcome.margins)));
     let picture = picture(&found, &request, title);
     for path in pictures.iter().flatten() {
         outputs.keep(path, picture.of_file(path)?);
@@ -209,7 +211,7 @@ fn for_people(found: &Optimum, request: &Request<'_>) -> String {
         for constraint in json["constraints"].as_array().into_iter().flatten() {
             let active = if constraint["active"] == true { ", active" } else { "" };
             let name = constraint["constraint"].as_str().unwrap_or_default();
-            let _ = writeln!(text, "subject to {name}: {}{active}", constraint["value"]);
+            let _ = writeln!(text, "subject to {name}: {}{active}", shown(&constraint["value"]));
         }
         let place = Optimum::values(request, without);
         let place: Vec<String> =

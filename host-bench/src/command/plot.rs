@@ -9,7 +9,7 @@ use crate::method::{Failure, Options};
 use crate::motion::{self, LogAxis, Series, View, Wanted};
 use crate::outcome::{Fields, Format, text};
 use crate::report::Picture;
-use crate::report::setting::{margin, setting};
+use crate::report::setting::{margin, named, setting};
 use crate::run::run_scene;
 use crate::scene_file::{self, Override, Scene};
 
@@ -135,7 +135,7 @@ fn drawn(
         let options = accurate.map_or(options, |[accurate, _]| accurate);
         let outcome = run_scene(scene, &options).map_err(|failure| failure.of_case(name))?;
         series.push(Series::of(name.as_str(), scene, &outcome));
-        smallest.extend(outcome.margins.smallest_margin);
+        smallest.extend(named(&outcome.margins));
         stated.add(&outcome);
         method = outcome.method;
     }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 
-use super::files::{beside, place};
+use super::files::{beside, place, refusal};
 use super::{count, note};
 use crate::input;
 use crate::method::Failure;
@@ -256,10 +256,6 @@ fn taken_up<'t, T>(
         }
     }
     (known, whole, dropped)
-}
-
-fn refusal(option: &str, path: &Path, reason: &str) -> Failure {
-    Failure::Input(format!("{option} {}: {reason}", path.display()))
 }
 
 /// A row with its checksum and its line break.

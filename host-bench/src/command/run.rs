@@ -16,7 +16,7 @@ use crate::method::{Failure, Options, Precision};
 use crate::motion::{self, Series};
 use crate::outcome::{Format, Outcome, fields, text};
 use crate::report::Picture;
-use crate::report::setting::{margin, setting};
+use crate::report::setting::{margin, named, setting};
 use crate::resolution::remarks;
 use crate::run::run_scene;
 use crate::scene_file::{self, Scene};
@@ -119,7 +119,7 @@ pub(super) fn picture(
     let [fine, coarse] = accurate.map_or([None, None], |all| all.map(|options| recorded(&options).ok()));
     let series = Series::of("run", scene, fine.as_ref().unwrap_or(outcome));
     let coarse = coarse.filter(|_| fine.is_some()).map(|outcome| Series::of("run", scene, &outcome));
-    let words = setting(scene, &[]) + &margin(outcome.margins.smallest_margin);
+    let words = setting(scene, &[]) + &margin(named(&outcome.margins));
     let title = motion::title(file, &outcome.method, &words);
     let usual = motion::usual(scene, &title, &series, every_s);
     motion::picture(&motion::Wanted { coarse: coarse.as_ref(), ..usual }, &[series])

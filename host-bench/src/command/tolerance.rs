@@ -22,7 +22,7 @@ use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::setting::{distinct_labels, label, number_and_unit, scaled, words_and_unit};
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, range, tick};
 use crate::report::{Picture, terminal};
-use crate::rows::Rows;
+use crate::rows::{Digits, Rows};
 use crate::seeds::SampleStatistics;
 
 /// Samples where none are asked for and there are no parts.
@@ -201,7 +201,9 @@ impl<'a> Found<'a> {
         let stated = small(self.fields["accuracy"]["total"].as_f64());
         let [statistics, keys] = ["statistics", "keys"].map(|name| {
             let rows = Rows::of(self.fields[name].as_array().into_iter().flatten());
-            rows.table(presets::NOTHING, &rows.plain(), 1)
+            // In one notation, whatever the sizes.
+            let columns = rows.plain().into_iter().map(|(name, key, _)| (name, key, Digits::Exponent(4)));
+            rows.table(presets::NOTHING, &columns.collect::<Vec<_>>(), 1)
         });
         let fits = ["linear", "quadratic"]
             .map(|name| format!("{name} fit: R² = {}", shown(&self.fields[&format!("{name}_r_squared")])));
@@ -216,8 +218,7 @@ impl<'a> Found<'a> {
     fn charts(&self) -> Vec<Chart> {
         let Self { sorted, nominal, .. } = self;
         let (words, unit) = number_and_unit(&self.arguments.quantity);
-        let largest = sorted.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let (title, factor) = scaled(&words, unit, largest);
+        let (title, factor) = scaled(&words, unit, sorted.iter().copied());
         let share = |value: f64| sorted.partition_point(|one| *one <= value) as f64 / sorted.len() as f64;
         let named = |name: &str, value: f64| format!("{}: {}", name.replace('_', " "), tick(factor * value));
         let upright = |name: &str, colour, mark, value: f64| {

@@ -28,18 +28,14 @@ pub(crate) fn picture(found: &FitResult, title: &str) -> Result<Picture, Failure
 }
 
 /// The name of a quantity with its unit, and the factor to it.
-fn named_unit(column: &str, largest: f64) -> (String, f64) {
+fn named_unit(column: &str, values: impl Iterator<Item = f64>) -> (String, f64) {
     let (word, unit) = number_and_unit(column);
-    scaled(&word.replace("rms ", "RMS "), unit, largest)
+    scaled(&word.replace("rms ", "RMS "), unit, values)
 }
 
 fn across(column: &Column) -> Axis {
     let (low, high) = range(column.x.iter().copied());
     Axis::linear(if column.is_trace { "time [s]" } else { "frequency [Hz]" }, [low, high], 9)
-}
-
-fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.filter(|value| value.is_finite()).fold(0.0, |largest, value| largest.max(value.abs()))
 }
 
 /// The rows of a group that are drawn, with its colours and its name.
@@ -68,7 +64,7 @@ fn named(word: &str, group: &str) -> String {
 
 /// Measured points with their standard deviations, and the model as lines.
 fn data(column: &Column) -> Chart {
-    let (title, factor) = named_unit(&column.column, largest(column.measured.iter().copied()));
+    let (title, factor) = named_unit(&column.column, column.measured.iter().copied());
     let mut curves = Vec::new();
     for (index, Shown { rows, colours, name }) in shown(column).enumerate() {
         let line: Vec<(f64, f64)> = match column.lines.get(index) {
@@ -93,8 +89,9 @@ fn bars(column: &Column, rows: &[usize], factor: f64) -> Vec<f64> {
 fn residuals(column: &Column) -> Chart {
     let difference = |row: usize| column.measured[row] - column.model[row];
     let deviation = |row: usize| column.std.as_ref().map_or(0.0, |std| std[row]);
-    let most = largest((0..column.x.len()).map(|row| difference(row).abs() + deviation(row)));
-    let (title, factor) = named_unit(&column.column, most);
+    let beyond = (0..column.x.len()).map(|row| difference(row).abs() + deviation(row));
+    let most = beyond.filter(|beyond| beyond.is_finite()).fold(0.0, f64::max);
+    let (title, factor) = named_unit(&column.column, [most].into_iter());
     let unit = title.find('[').map_or("", |at| &title[at..]);
     let across = across(column);
     let level = Curve::new("", BLACK, Mark::Line(1.0), across.span.map(|x| (x, 0.0)));

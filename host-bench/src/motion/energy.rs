@@ -6,7 +6,7 @@ use plotters::style::RGBColor;
 
 use super::Series;
 use crate::report::page::escaped;
-use crate::report::setting::with_unit;
+use crate::report::setting::scaled;
 use crate::report::svg::{FONT, hex, width_of};
 
 const ROW: u32 = 22;
@@ -23,7 +23,7 @@ const NARROW: u32 = 700;
 type Known<'a> = (&'a Series, RGBColor, Vec<(&'static str, f64)>);
 
 /// The bars of all runs whose energy is known, and their height; `None` without any.
-pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Option<(u32, String)> {
+pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 7]) -> Option<(u32, String)> {
     let known: Vec<Known<'_>> = series
         .iter()
         .zip(colours.into_iter().cycle())
@@ -40,6 +40,7 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
     let height = TOP + ROW * rows + 12 * u32::try_from(names.len()).ok()?;
     let largest =
         known.iter().flat_map(|(.., parts)| parts).fold(0.0_f64, |most, (_, value)| most.max(value.abs()));
+    let (title, factor) = scaled("energy over the whole run", "J", [largest].into_iter());
     // A narrow picture names the runs by their colours in the charts above.
     let is_named = known.len() > 1 && width >= NARROW;
     let longest = known.iter().filter(|_| is_named).map(|(one, ..)| width_of(&one.name, SIZE)).max();
@@ -47,8 +48,7 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
     let scale = if largest > 0.0 { f64::from(width.saturating_sub(LEFT + right)) / largest } else { 0.0 };
     let mut text = format!(
         "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\" \
-         font-family=\"{FONT}\" font-size=\"14.5\">\n<text x=\"{}\" y=\"20\" text-anchor=\"middle\">energy over the whole \
-         run</text>\n",
+         font-family=\"{FONT}\" font-size=\"14.5\">\n<text x=\"{}\" y=\"20\" text-anchor=\"middle\">{title}</text>\n",
         width / 2
     );
     let mut y = TOP;
@@ -75,7 +75,7 @@ pub(super) fn flow(width: u32, series: &[Series], colours: [RGBColor; 6]) -> Opt
                 escaped(name),
                 f64::from(LEFT) + long + 6.0,
                 y + 15,
-                with_unit(value, "J"),
+                format!("{:.3e}", factor * value).parse().unwrap_or(value),
             );
             y += ROW;
         }

@@ -4,26 +4,31 @@ use plotters::style::RGBColor;
 
 use super::{Optimum, Point, Range, Request};
 use crate::report::Picture;
-use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark, Readout};
-use crate::report::setting::label;
+use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
+use crate::report::setting::{label, number_and_unit, scaled};
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, tick};
 
 /// The title is plain text.
 pub(crate) fn picture(found: &Optimum, request: &Request<'_>, title: String) -> Picture {
+    let (words, unit) = number_and_unit(&request.quantity);
+    let (quantity, factor) = scaled(&words, unit, found.points.iter().filter_map(Point::value));
+    let shown = (request, quantity, factor);
     let first = match &request.ranges[..] {
-        [only] => Some(curve(found, request, only)),
-        [up, across, ..] => Some(map(found, request, [across, up])),
+        [only] => Some(curve(found, &shown, only)),
+        [up, across, ..] => Some(map(found, &shown, [across, up])),
         [] => None,
     };
-    let charts = first.into_iter().chain([history(found, request)]).collect();
+    let charts = first.into_iter().chain([history(found, &shown)]).collect();
     Picture { title, width: 900, charts, ..Picture::default() }
 }
 
+/// The request, what is sought with the unit in which it is shown, and the factor to it.
+type Shown<'a> = (&'a Request<'a>, String, f64);
+
 /// The readout of a point at the pointer besides its place: its value, that of each key, and which constraint it breaks.
-fn note(request: &Request<'_>, point: &Point) -> String {
-    let value =
-        point.value().map_or_else(|| "the run failed".to_owned(), |value| tick(request.signed(value)));
-    let mut lines = vec![format!("value: {value}")];
+fn note((request, quantity, factor): &Shown<'_>, point: &Point) -> String {
+    let value = point.value().map(|value| tick(factor * request.signed(value)));
+    let mut lines = vec![format!("{quantity}: {}", value.unwrap_or_else(|| "the run failed".to_owned()))];
     lines.extend(
         Optimum::values(request, point).into_iter().map(|(key, value)| format!("{key} = {value:.6e}")),
     );
@@ -36,11 +41,11 @@ fn note(request: &Request<'_>, point: &Point) -> String {
 
 /// Points with their values in a colour; nothing where there are none.
 fn dots<'a>(
-    request: &Request<'_>,
+    shown: &Shown<'_>,
     (name, colour, size): (&str, RGBColor, f64),
     points: impl Iterator<Item = (&'a Point, (f64, f64))>,
 ) -> Option<Curve> {
-    let noted = points.map(|(point, place)| (place, note(request, point)));
+    let noted = points.map(|(point, place)| (place, note(shown, point)));
     Curve::noted(name, colour, Mark::Dots(size), noted)
 }
 
@@ -49,8 +54,9 @@ fn axis(key: &Range) -> Axis {
 }
 
 /// The value over the only key.
-fn curve(found: &Optimum, request: &Request<'_>, key: &Range) -> Chart {
-    let place = |point: &Point| Some((key.value(point.place[0]), request.signed(point.value()?)));
+fn curve(found: &Optimum, shown: &Shown<'_>, key: &Range) -> Chart {
+    let (request, quantity, factor) = shown;
+    let place = |point: &Point| Some((key.value(point.place[0]), factor * request.signed(point.value()?)));
     let mut points: Vec<(&Point, (f64, f64))> =
         found.points.iter().filter_map(|point| Some((point, place(point)?))).collect();
     points.sort_by(|one, other| one.1.0.total_cmp(&other.1.0));
@@ -62,42 +68,37 @@ fn curve(found: &Optimum, request: &Request<'_>, key: &Range) -> Chart {
     let others = found.others.iter().filter_map(|(point, _)| Some((point, place(point)?)));
     let curves = [
         Some(line.broken_at_jumps()),
-        dots(request, ("runs", BLUE, 6.0), feasible(true)),
-        dots(request, ("runs that break a constraint", BLACK, 5.0), feasible(false)),
-        dots(request, ("other optima", GREEN, 10.0), others.into_iter()),
-        dots(request, ("the best point", VERMILION, 10.0), best.into_iter()),
+        dots(shown, ("runs", BLUE, 6.0), feasible(true)),
+        dots(shown, ("runs that break a constraint", BLACK, 5.0), feasible(false)),
+        dots(shown, ("other optima", GREEN, 10.0), others.into_iter()),
+        dots(shown, ("the best point", VERMILION, 10.0), best.into_iter()),
     ];
-    let up = Axis::linear(request.quantity.as_str(), FITTING, 7);
+    let up = Axis::linear(quantity.as_str(), FITTING, 7);
     Chart { height: 420, ..Chart::new("", axis(key), up, curves.into_iter().flatten().collect()) }
 }
 
 /// The grid over two keys with all runs; with more keys, each cell has the best value over the others, if a point keeps the
 /// constraints.
-fn map(found: &Optimum, request: &Request<'_>, keys: [&Range; 2]) -> Chart {
+fn map(found: &Optimum, shown: &Shown<'_>, keys: [&Range; 2]) -> Chart {
+    let (request, quantity, factor) = shown;
     let count = request.grid;
     let others = count.pow(u32::try_from(request.ranges.len()).unwrap_or(2) - 2);
     let (grid, searched) = found.points.split_at(count * count * others);
     let best = |points: &[Point]| points.iter().filter_map(Point::feasible).reduce(f64::max);
-    let cells = grid.chunks_exact(others).map(|points| best(points).map(|value| request.signed(value)));
+    let cells =
+        grid.chunks_exact(others).map(|points| best(points).map(|value| factor * request.signed(value)));
     let part = |index: usize| index as f64 / (count - 1) as f64;
     let middles = keys.map(|key| (0..count).map(|index| key.value(part(index))).collect());
-    let scale = Axis::linear(request.quantity.as_str(), FITTING, 8);
+    let scale = Axis::linear(quantity.as_str(), FITTING, 8);
     let mut chart = Chart::map(keys.map(axis), middles, scale, cells.collect());
-    for readout in chart.field.iter_mut().flat_map(|field| &mut field.readouts) {
-        match readout {
-            Readout::Column(title, _) => title.clone_from(&keys[0].key),
-            Readout::Row(title, _) => title.clone_from(&keys[1].key),
-            Readout::Cell(..) | Readout::Text(..) => {}
-        }
-    }
     let place = |point: &Point| (keys[0].value(point.place[1]), keys[1].value(point.place[0]));
     let searched = searched.iter().map(|point| (point, place(point)));
     let best = std::iter::once((&found.best, place(&found.best)));
     let optima = found.others.iter().map(|(point, _)| (point, place(point)));
     let curves = [
-        dots(request, ("runs between the points and of the searches", BLACK, 4.0), searched),
-        dots(request, ("other optima", GREEN, 12.0), optima),
-        dots(request, ("the best point", VERMILION, 12.0), best),
+        dots(shown, ("runs between the points and of the searches", BLACK, 4.0), searched),
+        dots(shown, ("other optima", GREEN, 12.0), optima),
+        dots(shown, ("the best point", VERMILION, 12.0), best),
     ];
     chart.curves.extend(curves.into_iter().flatten());
     let white = "white: no point of the grid has a value there and keeps the constraints";
@@ -109,7 +110,8 @@ fn map(found: &Optimum, request: &Request<'_>, keys: [&Range; 2]) -> Chart {
 }
 
 /// The value of each run in their order, and the best so far.
-fn history(found: &Optimum, request: &Request<'_>) -> Chart {
+fn history(found: &Optimum, shown: &Shown<'_>) -> Chart {
+    let (request, quantity, factor) = shown;
     let grid = request.grid.pow(request.ranges.len() as u32);
     let numbered =
         || found.points.iter().enumerate().map(|(index, point)| (index, (index + 1) as f64, point));
@@ -118,24 +120,25 @@ fn history(found: &Optimum, request: &Request<'_>) -> Chart {
             .filter(move |(index, _, point)| {
                 (*index < grid) == is_grid && point.feasible().is_some() == is_feasible
             })
-            .filter_map(|(_, number, point)| Some((point, (number, request.signed(point.value()?)))))
+            .filter_map(|(_, number, point)| Some((point, (number, factor * request.signed(point.value()?)))))
     };
-    let mut best: Option<f64> = None;
-    let mut steps = Vec::new();
-    for (_, number, point) in numbered() {
-        best = best.into_iter().chain(point.feasible()).reduce(f64::max);
-        if let Some(best) = best {
-            steps.push((number, request.signed(best)));
-        }
-    }
+    let steps = numbered().scan(None, |best: &mut Option<f64>, (_, number, point)| {
+        *best = best.iter().copied().chain(point.feasible()).reduce(f64::max);
+        Some(best.map(|best| (number, factor * request.signed(best))))
+    });
     let curves = [
         // Below the runs, which the pointer then finds first.
-        Some(Curve::new("the best so far", VERMILION, Mark::Line(1.6), steps)),
-        dots(request, ("grid", BLUE, 5.0), of(true, true)),
-        dots(request, ("searches", GREEN, 5.0), of(false, true)),
-        dots(request, ("runs that break a constraint", BLACK, 4.0), of(true, false).chain(of(false, false))),
+        Some(Curve::new("the best so far", VERMILION, Mark::Line(1.6), steps.flatten())),
+        dots(shown, ("grid", BLUE, 5.0), of(true, true)),
+        dots(shown, ("searches", GREEN, 5.0), of(false, true)),
+        dots(shown, ("runs that break a constraint", BLACK, 4.0), of(true, false).chain(of(false, false))),
     ];
     let across = Axis::linear("run", [1.0, found.points.len() as f64], 8);
-    let up = Axis::linear(request.quantity.as_str(), FITTING, 6);
-    Chart::new("the way of the search", across, up, curves.into_iter().flatten().collect())
+    let up = Axis::linear(quantity.as_str(), FITTING, 6);
+    let chart = Chart::new("the way of the search", across, up, curves.into_iter().flatten().collect());
+    let others = found.runs[0].saturating_sub(found.points.len());
+    let note = format!(
+        "not drawn: {others} runs where the value is within 1 %, of the best point again, and beside it"
+    );
+    Chart { note: if others > 0 { note } else { String::new() }, ..chart }
 }

@@ -36,19 +36,24 @@ fn title_of(title: &str, width: i32) -> (&'static str, u32) {
     (TITLE.0, fitting.next().unwrap_or(13))
 }
 
-/// The font of the title above all charts, and its lines, none wider than the picture if no word is.
+/// The font of the title above all charts, and its lines of about one length, none wider than the picture if no word is.
 fn head_of(title: &str, width: i32) -> ((&'static str, u32), Vec<String>) {
     let font = (FONT, title_of(title, width).1.max(TEXT.1));
-    let mut lines: Vec<String> = Vec::new();
-    for word in title.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if width_of(&format!("{line} {word}"), font.1) <= width => {
-                *line += &format!(" {word}")
+    let within = |width: i32| {
+        let mut lines: Vec<String> = Vec::new();
+        for word in title.split_whitespace() {
+            match lines.last_mut() {
+                Some(line) if width_of(&format!("{line} {word}"), font.1) <= width => {
+                    *line += &format!(" {word}")
+                }
+                _ => lines.push(word.to_owned()),
             }
-            _ => lines.push(word.to_owned()),
         }
-    }
-    (font, lines)
+        lines
+    };
+    let widest = within(width);
+    let narrower = (1..=width).map(within).find(|lines| lines.len() == widest.len());
+    (font, narrower.unwrap_or(widest))
 }
 
 /// The charts as SVG text below a title: from left to right where two have half of the width, else one below the other.

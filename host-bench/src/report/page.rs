@@ -15,9 +15,9 @@ margin:2rem auto;padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.2rem;margin-t
 body>svg,figure>svg{max-width:100%;height:auto}figure{margin:0}.wide{overflow-x:auto}\
 .panels{display:flex;flex-wrap:wrap;gap:.5rem}.panels>figure{flex:0 1 auto}\
 table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-nums}\
-th{text-align:left;border-bottom:2px solid #57606a;padding:.3rem .7rem;vertical-align:bottom}\
-td{border-bottom:1px solid #d0d7de;padding:.2rem .7rem;white-space:nowrap}\
-td.number,th.number{text-align:right}tr.beyond td{color:#6e7781}\
+th{text-align:left;border-bottom:2px solid #57606a;padding:.3rem .5rem;vertical-align:bottom}\
+td{border-bottom:1px solid #d0d7de;padding:.2rem .5rem}\
+td.number,th.number{text-align:right}td.number{white-space:nowrap}tr.beyond td{color:#6e7781}\
 p.note{font-size:.85rem;color:#57606a;margin:.3rem 0}\
 @media screen and (prefers-color-scheme:dark){html{background:#fff;filter:invert(.9) hue-rotate(180deg)}}\
 .still{display:none}@media print{.still{display:block;break-inside:avoid}.screen{display:none}\

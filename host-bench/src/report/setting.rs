@@ -1,5 +1,7 @@
 //! The parameters of a scene in a few words, for the title of a picture; keys as titles of axes; numbers with a prefix of their unit.
 
+use super::svg::decimal;
+use crate::outcome::Margins;
 use crate::scene_file::{Excitation, Load, Scene, rows_of};
 
 /// Prefixes of units and their powers of a thousand.
@@ -17,8 +19,10 @@ pub(crate) fn prefix(magnitude: f64) -> (&'static str, f64) {
     found.map_or(("", 1.0), |(name, power)| (*name, 1000f64.powi(-power)))
 }
 
-/// A quantity with the prefix of its unit for its largest magnitude, and the factor to it; without a unit neither.
-pub(crate) fn scaled(word: &str, unit: &str, largest: f64) -> (String, f64) {
+/// A quantity with the prefix of its unit for the largest magnitude of its values, and the factor to it; without a unit neither.
+pub(crate) fn scaled(word: &str, unit: &str, values: impl Iterator<Item = f64>) -> (String, f64) {
+    let largest =
+        values.filter(|value| value.is_finite()).fold(0.0, |most: f64, value| most.max(value.abs()));
     let (prefix, factor) = prefix(largest);
     if unit.is_empty() { (word.to_owned(), 1.0) } else { (format!("{word} [{prefix}{unit}]"), factor) }
 }
@@ -26,7 +30,7 @@ pub(crate) fn scaled(word: &str, unit: &str, largest: f64) -> (String, f64) {
 /// A value with its unit, such as 100 MΩ; a value without a magnitude has the unit alone.
 pub(crate) fn with_unit(value: f64, unit: &str) -> String {
     let (prefix, factor) = prefix(value.abs());
-    format!("{} {prefix}{unit}", rounded(value * factor))
+    format!("{} {prefix}{unit}", decimal(value * factor, 4))
 }
 
 /// Values with their unit and as many digits, from three on, as leave each within a tenth of its distance to the next one.
@@ -48,10 +52,18 @@ pub(crate) fn distinct_labels(values: &[f64], unit: &str) -> Vec<String> {
     (3..17).map(texts).find(is_near).unwrap_or_else(|| texts(17)).0
 }
 
-/// The smallest of some margins to limits of a model, for the title of a picture after other text; empty for none.
-pub(crate) fn margin(all: impl IntoIterator<Item = f64>) -> String {
-    let smallest = all.into_iter().min_by(f64::total_cmp);
-    smallest.map_or_else(String::new, |smallest| format!("; smallest margin to a limit {smallest:.3}"))
+/// The smallest of some margins to limits of a model by their names, for the title of a picture after other text; empty for none.
+pub(crate) fn margin<'a>(all: impl IntoIterator<Item = (&'a str, Option<f64>)>) -> String {
+    let known = all.into_iter().filter_map(|(name, margin)| Some((margin?, name)));
+    let smallest = known.min_by(|one, other| one.0.total_cmp(&other.0));
+    smallest.map_or_else(String::new, |(margin, name)| {
+        format!("; smallest margin to a limit {margin:.3} ({name})")
+    })
+}
+
+/// The margins of a run by their names.
+pub(crate) fn named(margins: &Margins) -> impl Iterator<Item = (&'static str, Option<f64>)> {
+    margins.limits.iter().map(|limit| (limit.name, limit.margin))
 }
 
 /// The parameters of a scene that a picture should name, without those of these keys.
@@ -73,33 +85,27 @@ pub(crate) fn setting(scene: &Scene, without: &[&str]) -> String {
         }
         Load::DcBus { voltage_v, .. } => ("load.voltage_v", format!("bus of {}", with_unit(voltage_v, "V"))),
     });
-    let amplitude = |value: f64| ("excitation.amplitude", format!("{} m/s²", rounded(value)));
+    let amplitude = |value: f64| ("excitation.amplitude", format!("{} m/s²", decimal(value, 4)));
     match &scene.excitation {
         Excitation::Sine(tone) => {
             parts.push(amplitude(tone.amplitude_m_per_s2));
-            parts.push(("excitation.frequency_hz", format!("{} Hz", rounded(tone.frequency_hz))));
+            parts.push(("excitation.frequency_hz", format!("{} Hz", decimal(tone.frequency_hz, 4))));
         }
         Excitation::Sines(tones) => parts.push(("excitation", format!("{} sines", tones.len()))),
         Excitation::File(_) => parts.push(("excitation", "recorded base".to_owned())),
         Excitation::Burst(burst) => parts.push(amplitude(burst.amplitude_m_per_s2)),
         Excitation::Sweep(sweep) => {
             parts.push(amplitude(sweep.amplitude_m_per_s2));
-            let span = format!("{} to {} Hz", rounded(sweep.from_hz), rounded(sweep.to_hz));
+            let span = format!("{} to {} Hz", decimal(sweep.from_hz, 4), decimal(sweep.to_hz, 4));
             parts.push(("excitation.from_hz", span));
         }
         Excitation::Random(random) => {
-            parts.push(("excitation", format!("random, {} m/s² RMS", rounded(random.rms_m_per_s2()))));
+            parts.push(("excitation", format!("random, {} m/s² RMS", decimal(random.rms_m_per_s2(), 4))));
         }
         Excitation::Silence => parts.push(("excitation", "base at rest".to_owned())),
     }
     let shown = parts.iter().filter(|(key, _)| !without.iter().any(|other| other.starts_with(key)));
     shown.map(|(_, text)| text.as_str()).collect::<Vec<_>>().join(", ")
-}
-
-/// Four digits behind the point at most.
-fn rounded(value: f64) -> String {
-    let text = format!("{value:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// A [`label`] as its words and its unit, which may be empty.

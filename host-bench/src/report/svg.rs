@@ -21,8 +21,9 @@ pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
 pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
 pub(crate) const PURPLE: RGBColor = RGBColor(204, 121, 167);
 pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
+const SKY: RGBColor = RGBColor(86, 180, 233);
 /// Those of curves of one kind, one after the other.
-pub(crate) const COLOURS: [RGBColor; 6] = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, BLACK];
+pub(crate) const COLOURS: [RGBColor; 7] = [BLUE, VERMILION, GREEN, ORANGE, PURPLE, BLACK, SKY];
 
 /// Lines of the grid.
 pub(crate) const GRID: RGBColor = RGBColor(224, 228, 232);
@@ -52,7 +53,7 @@ pub(crate) fn tick(value: f64) -> String {
 }
 
 /// So many digits behind the point at most.
-fn decimal(value: f64, digits: usize) -> String {
+pub(super) fn decimal(value: f64, digits: usize) -> String {
     format!("{value:.digits$}").parse().unwrap_or(value).to_string()
 }
 

@@ -7,6 +7,7 @@ use serde::{Serialize, Serializer};
 use super::{Comparison, Omitted, Row};
 use crate::method::{Math, Method, Options, Precision};
 use crate::outcome::{Fields, csv_sections, fields, folded, name, rows_csv, table};
+use crate::report::setting::with_unit;
 use crate::rows::{Column, Digits, Rows, headings};
 
 const ERROR: Digits = Digits::Exponent(1);
@@ -119,16 +120,7 @@ pub(crate) fn csv(comparisons: &[Comparison]) -> String {
 
 /// A resistance in Ω with its unit.
 pub(crate) fn resistance(value: f64) -> String {
-    const PREFIXES: [(f64, &str); 7] =
-        [(1e15, "P"), (1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m")];
-    if value.is_infinite() {
-        return "infinite".to_owned();
-    }
-    match PREFIXES.iter().find(|(unit, _)| value >= 0.9999 * unit && value < 1e18) {
-        // Six digits after the point, without trailing zeros.
-        Some((unit, prefix)) => format!("{} {prefix}Ω", (value / unit * 1e6).round() / 1e6),
-        None => format!("{value:e} Ω"),
-    }
+    if value.is_infinite() { "infinite".to_owned() } else { with_unit(value, "Ω") }
 }
 
 impl Omitted {
@@ -258,7 +250,7 @@ mod tests {
         assert_eq!(grouped(123_456.4), "123 456");
         assert_eq!(grouped(1_234_567.0), "1 234 567");
         let resistances = [1e8, 1e15, 1e-3, 4700.0, 0.0, f64::INFINITY].map(resistance);
-        assert_eq!(resistances, ["100 MΩ", "1 PΩ", "1 mΩ", "4.7 kΩ", "0e0 Ω", "infinite"]);
+        assert_eq!(resistances, ["100 MΩ", "1000 TΩ", "1 mΩ", "4.7 kΩ", "0 Ω", "infinite"]);
         assert_eq!(
             (ratio(Some(1.234)), ratio(Some(123.4)), ratio(None)),
             ("1.23".into(), "123".into(), "-".into())

@@ -121,7 +121,7 @@ fn a_browser_draws_a_sweep() {
     let charts = used(folder.join("sweep.html"));
     // Curves and map of mean power and RMS voltage.
     assert_eq!(charts.len(), 4);
-    assert!(tells(&charts[..2], &["load.resistance_ohm = ", "RMS voltage: ", " V"]), "{charts:?}");
+    assert!(tells(&charts[..2], &["load resistance = ", "RMS voltage: ", " V"]), "{charts:?}");
     let cell = ["load resistance: ", " Ω", "excitation frequency: ", " Hz", "mean power: ", " µW"];
     assert!(tells(&charts[2..], &cell), "{charts:?}");
 }
@@ -137,12 +137,12 @@ fn a_browser_draws_an_optimum() {
     let charts = used(&html);
     // The curve, and the way of the search.
     assert_eq!(charts.len(), 2);
-    assert!(tells(&charts[..1], &["excitation frequency: ", "mean_power_w: ", "value: "]), "{charts:?}");
-    assert!(tells(&charts[1..], &["run: ", "mean_power_w: ", "excitation.frequency_hz = "]), "{charts:?}");
+    assert!(tells(&charts[..1], &["excitation frequency: ", "mean power: "]), "{charts:?}");
+    assert!(tells(&charts[1..], &["run: ", "mean power: ", "excitation.frequency_hz = "]), "{charts:?}");
     accepted(&[&command[..], &["--over", "load.resistance_ohm=1e7:1e10:log"], &one[..]].concat());
     let charts = used(&html);
     assert_eq!(charts.len(), 2);
-    let cell = ["excitation.frequency_hz: ", "load.resistance_ohm: ", "mean_power_w: "];
+    let cell = ["excitation frequency: ", "load resistance: ", "mean power: "];
     assert!(tells(&charts[..1], &cell), "{charts:?}");
 }
 

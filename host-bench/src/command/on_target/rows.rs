@@ -183,9 +183,10 @@ fn short(value: f32) -> Value {
     json!(value.to_string().parse::<f64>().unwrap_or_default())
 }
 
-/// A relative error as a table shows it.
-pub(super) fn percent(error: Option<f64>) -> String {
-    error.map_or_else(|| "-".to_owned(), |error| format!("{:.3} %", error * 100.0))
+/// A relative error or change as a table shows it, without a sign where it rounds to nothing.
+pub(in crate::command) fn percent(error: Option<f64>) -> String {
+    let shown = |error: f64| format!("{:.3} %", 100.0 * error).replace("-0.000 %", "0.000 %");
+    error.map_or_else(|| "-".to_owned(), shown)
 }
 
 /// A column of a table: its heading, and the text of a row.

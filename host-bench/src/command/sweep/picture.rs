@@ -22,8 +22,7 @@ impl Quantity {
     /// Its name with the unit that its values are shown in, and the values in it, as far as they are finite.
     fn scaled(&self) -> (String, Vec<Option<f64>>) {
         let finite = || self.values.iter().map(|value| value.filter(|value| value.is_finite()));
-        let largest = finite().flatten().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let (name, factor) = scaled(self.name, self.unit, largest);
+        let (name, factor) = scaled(self.name, self.unit, finite().flatten());
         (name, finite().map(|value| value.map(|value| factor * value)).collect())
     }
 }
@@ -70,12 +69,14 @@ fn curve(words: Labels<'_>, axis: &Axis, (name, values): &(String, Vec<Option<f6
     let points: Vec<(usize, (f64, f64))> = values.iter().enumerate().filter_map(point).collect();
     let line = Curve::new("", BLUE, Mark::Dotted([1.8, 6.0]), points.iter().map(|(_, point)| *point));
     let mut curves = vec![line.broken_at_jumps()];
+    let has_gap = curves[0].points.iter().any(|point| point.0.is_nan());
+    let note = if has_gap { "a gap in the line: the value jumps, as from one motion to another" } else { "" };
     let (marked, why) = words.marked;
     let rings = points.iter().filter(|(index, _)| marked.get(*index).copied().unwrap_or(false));
     let rings = Curve::new(why, VERMILION, Mark::Rings(9.0), rings.map(|(_, point)| *point));
     curves.extend(Some(rings).filter(|rings| !rings.points.is_empty()));
     let up = chart::Axis::linear(name.as_str(), FITTING, 7);
-    Chart::new("", across(axis), up, curves).grouped("over", 320)
+    Chart { note: note.to_owned(), ..Chart::new("", across(axis), up, curves).grouped("over", 320) }
 }
 
 /// The cells over both axes.

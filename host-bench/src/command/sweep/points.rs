@@ -194,7 +194,9 @@ impl Points<'_> {
         let file = Name::of_file(&self.arguments.scene.scene).line();
         let method = found.iter().find_map(|point| point.text("method")).unwrap_or("no run");
         let parameters = setting(&self.scene(&(self.values)(0))?, without);
-        let smallest = margin(found.iter().filter_map(|point| point.number("smallest_margin")));
+        let limits = found.iter().filter_map(|point| point.found.as_ref().ok()?.get("limits")?.as_array());
+        let limits = limits.flatten().filter_map(|one| Some((one["name"].as_str()?, one["margin"].as_f64())));
+        let smallest = margin(limits);
         Ok(format!("{file}, {method}: {parameters}{smallest}"))
     }
 
