@@ -14,7 +14,7 @@ use crate::method::Failure;
 use crate::outcome::Format;
 use crate::rows::Rows;
 use crate::simulated_node::{
-    Course, Extent, Kind, Quarter, ROWS, STORAGES, Storage, picture, rows, timelines, years,
+    Course, Extent, Kind, PARTS, Quarter, ROWS, STORAGES, Storage, picture, rows, timelines, years,
 };
 
 /// The names of the storages, each once.
@@ -40,6 +40,9 @@ pub struct NodeStrategiesArguments {
     /// Which storage only, by its name in the rows; batteries by their words in a scene file
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(names()))]
     storage: Option<String>,
+    /// Which market part only
+    #[arg(long, value_parser = PossibleValuesParser::new(PARTS))]
+    part: Option<String>,
     /// Harvesters as designed only
     #[arg(long)]
     as_designed: bool,
@@ -55,7 +58,7 @@ pub struct NodeStrategiesArguments {
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-    /// Write a day of each strategy to this file, a picture (.svg) or a page with zoom (.html)
+    /// Write the first timeline by each strategy to this file, a picture (.svg) or a page with zoom (.html)
     #[arg(long, value_name = "FILE.svg|.html")]
     page: Option<PathBuf>,
 }
@@ -76,10 +79,12 @@ pub(super) fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
         some => some.to_vec(),
     };
     let is_wanted = |one: &Storage| arguments.storage.as_deref().is_none_or(|name| name == one.name);
+    let is_part = |part: &&str| arguments.part.as_deref().is_none_or(|name| name == *part);
     let only = arguments.scene.as_deref().map(harvester).transpose()?;
     let extent = Extent {
         kinds: only.map_or_else(|| Kind::value_variants().to_vec(), |kind| vec![kind]),
         courses,
+        parts: PARTS.into_iter().filter(is_part).collect(),
         storages: STORAGES.into_iter().filter(is_wanted).collect(),
         as_designed: arguments.as_designed,
         hours: arguments.hours,
@@ -91,12 +96,12 @@ pub(super) fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
         let text = "--course: must not be truck, rail or walking alone for a slider, which they do not move";
         return Err(Failure::Input(text.to_owned()));
     }
-    let count = ROWS * extent.storages.len();
+    let count = ROWS * extent.parts.len() * extent.storages.len();
     let rows = with_progress(count, |bar| rows(&extent, &lines, || one_more(bar)));
     print_rows(&rows, arguments.format, 3)?;
     if let Some(file) = &arguments.page {
-        let picture = picture::picture(only.unwrap_or(Kind::ContactSeparation))?;
-        outputs.keep(file, picture.of_file(file)?);
+        let scene = arguments.scene.as_deref().unwrap_or("contact-separation");
+        outputs.keep(file, picture::picture(scene, &extent, &lines[0]).of_file(file)?);
     }
     outputs.ended()
 }

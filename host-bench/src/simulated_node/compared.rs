@@ -82,9 +82,9 @@ pub const STORAGES: [Storage; 10] = [
 ];
 /// Relative deviations of the standing power: measured, and by data sheets.
 const SPREADS: [f64; 2] = [0.01, 0.2];
-const PARTS: [&str; 3] = ["nrf52832", "stm32l051", "apollo3"];
-/// Number of [`rows`] of a storage.
-pub(crate) const ROWS: usize = PARTS.len() * SPREADS.len() * Name::ALL.len();
+pub(crate) const PARTS: [&str; 3] = ["nrf52832", "stm32l051", "apollo3"];
+/// Number of [`rows`] of a part with a storage.
+pub(crate) const ROWS: usize = SPREADS.len() * Name::ALL.len();
 /// How far a leakage may be off at most.
 const OF_LEAKAGE: f64 = 0.5;
 /// Standard deviation of the gain of the map of a harvester as designed.
@@ -98,6 +98,8 @@ const PERIODS: [u32; 18] =
 pub struct Extent {
     pub kinds: Vec<Kind>,
     pub courses: Vec<Course>,
+    /// Names of market parts.
+    pub parts: Vec<&'static str>,
     pub storages: Vec<Storage>,
     /// Whether only harvesters as designed count.
     pub as_designed: bool,
@@ -109,8 +111,12 @@ pub struct Extent {
     pub with_full: bool,
 }
 
-/// The timelines of an extent, of a harvester as designed and of one that is off. Friction holds a slider under random
-/// vibration and under steps, which are left out.
+/// Whether a course moves a harvester: friction holds a slider under random vibration and under steps.
+pub(super) fn moves(kind: Kind, course: Course) -> bool {
+    !kind.is_slider() || !matches!(course, Course::Truck | Course::Rail | Course::Walking)
+}
+
+/// The timelines of an extent that move it, of a harvester as designed and of one that is off.
 ///
 /// # Errors
 /// If a scene cannot be read or stepped, or gives no energy or none for which a node can be built.
@@ -118,12 +124,11 @@ pub(crate) fn timelines(extent: &Extent) -> Result<Vec<Timeline>, Failure> {
     let mut all = Vec::new();
     for &kind in &extent.kinds {
         for &course in &extent.courses {
-            let holds = kind.is_slider() && matches!(course, Course::Truck | Course::Rail | Course::Walking);
             let seed = 17 * kind as u64 + 1000 * course as u64;
             all.extend(
-                [(kind, true, course, seed + 1), (kind, false, course, seed)]
-                    .into_iter()
-                    .filter(|&(_, as_designed, ..)| !holds && (as_designed || !extent.as_designed)),
+                [(kind, true, course, seed + 1), (kind, false, course, seed)].into_iter().filter(
+                    |&(_, as_designed, ..)| moves(kind, course) && (as_designed || !extent.as_designed),
+                ),
             );
         }
     }
@@ -313,7 +318,7 @@ pub struct Row {
 /// The rows of all strategies, parts and storages on some timelines; `done` is called after each.
 pub fn rows(extent: &Extent, lines: &[Timeline], done: impl Fn()) -> Vec<Row> {
     let mut rows = Vec::new();
-    for processor in PARTS.into_iter().filter_map(Processor::named) {
+    for processor in extent.parts.iter().filter_map(|part| Processor::named(part)) {
         for &storage in &extent.storages {
             for spread in SPREADS {
                 let setup = Setup { processor, storage, spread, seeds: extent.seeds };

@@ -1,37 +1,32 @@
-//! A day of each strategy as a picture: income estimated and true, stored energy, actions, the cost of estimation; and the quarters of
+//! Hours of each strategy as a picture: income estimated and true, stored energy, actions, the cost of estimation; and the quarters of
 //! years.
 
 use harvester_scene::market::Processor;
 use plotters::style::RGBColor;
 
-use super::compared::{Name, STORAGES, Setup, Storage};
-use super::harvester::Kind;
+use super::compared::{Extent, Name, STORAGES, Setup, Storage, moves};
 use super::plant::Run;
-use super::timeline::{Course, Timeline};
+use super::timeline::Timeline;
 use super::years::Quarter;
-use crate::method::Failure;
+use crate::outcome::name;
 use crate::report::Picture;
 use crate::report::chart::{Axis, Chart, Curve, FITTING, FROM_ZERO, Mark};
-use crate::report::svg::{BLACK, COLOURS};
+use crate::report::setting::with_unit;
+use crate::report::svg::COLOURS;
 
-const HOURS: usize = 24;
+const GREY: RGBColor = RGBColor(190, 196, 202);
 
-/// A random day of a harvester as designed, with an nRF52832, 10 mF, and a standing power that is off by up to
-/// 20 %. There is a colour for each strategy but `intermittent`, which is as `fixed` there.
-pub(crate) fn picture(kind: Kind) -> Result<Picture, Failure> {
-    let line = Timeline::new(kind, true, Course::Random, HOURS, 1)?;
-    let setup = Setup {
-        processor: Processor::named("nrf52832").expect("a part"),
-        storage: STORAGES[2],
-        spread: 0.2,
-        seeds: 1,
-    };
-    let scale = 1e3 * setup.settings(&line).scale;
-    let shown = Name::ALL.into_iter().filter(|name| *name != Name::Intermittent);
-    let runs: Vec<(Name, Run)> = shown.map(|name| (name, setup.run(name, &line, 7, 120))).collect();
+/// A timeline of a harvester by each strategy, with the first part of the rows, and 10 mF where the rows have it.
+pub(crate) fn picture(harvester: &str, extent: &Extent, line: &Timeline) -> Picture {
+    let storage = extent.storages.iter().find(|one| **one == STORAGES[2]).unwrap_or(&extent.storages[0]);
+    let processor = Processor::named(extent.parts[0]).expect("a part");
+    let setup = Setup { processor, storage: *storage, spread: 0.2, seeds: 1 };
+    let scale = 1e3 * setup.settings(line).scale;
+    let runs: Vec<(Name, Run)> = Name::ALL.map(|name| (name, setup.run(name, line, 0, 120))).into();
     let true_hours = line.minutes.chunks(60).map(|minutes| minutes.iter().sum::<f64>());
+    let level = |hour: usize, value: f64| [(hour as f64, value), (hour as f64 + 1.0, value)];
     let hours = |run: &Run, of: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
-        run.hours.iter().enumerate().map(|(at, hour)| (hour.index as f64 + 0.5, of(at))).collect()
+        run.hours.iter().enumerate().flat_map(|(at, hour)| level(hour.index, of(at))).collect()
     };
     let estimated = |run: &Run| hours(run, &|at| scale / 3.6 * run.hours[at].estimated);
     let estimation = |run: &Run| {
@@ -47,26 +42,33 @@ pub(crate) fn picture(kind: Kind) -> Result<Picture, Failure> {
         let steps = run.acted.iter().enumerate();
         steps.map(|(count, second)| (f64::from(*second) / 3600.0, count as f64 + 1.0)).collect()
     };
-    let truth = true_hours.enumerate().map(|(hour, energy)| (hour as f64 + 0.5, scale / 3.6 * energy));
-    let truth = Curve::new("true", BLACK, Mark::Rings(7.0), truth);
+    let truth = true_hours.enumerate().flat_map(|(hour, energy)| level(hour, scale / 3.6 * energy));
+    let truth = Curve::new("true", GREY, Mark::Line(11.0), truth);
     let chart = |title: &str, up: &str, first: Option<Curve>, of: &dyn Fn(&Run) -> Vec<(f64, f64)>| {
-        let of_run = |((name, run), colour): (&(Name, Run), RGBColor)| {
-            let points = of(run);
-            let curve = Curve::new(format!("{name:?}").to_lowercase(), colour, Mark::Line(1.5), points);
-            Some(curve).filter(|curve| curve.points.iter().any(|point| point.1 > 0.0))
+        // Over another a curve is narrower, and every other one dashed: both are seen where they are one.
+        let curve = |((at, (name, run)), colour): ((usize, &(Name, Run)), RGBColor)| {
+            let (width, points) = (7.5 - at as f64, of(run));
+            let mark = if at % 2 == 0 { Mark::Line(width) } else { Mark::Dashes(width) };
+            let none = if points.iter().any(|point| point.1 > 0.0) { "" } else { ": none" };
+            Curve::new(format!("{name:?}{none}").to_lowercase(), colour, mark, points)
         };
-        let curves = first.into_iter().chain(runs.iter().zip(COLOURS).filter_map(of_run)).collect();
-        let across = Axis::linear("hour of the day", [0.0, HOURS as f64], 13);
+        let curves = first.into_iter().chain(runs.iter().enumerate().zip(COLOURS).map(curve)).collect();
+        let across = Axis::linear("time [h]", [0.0, line.minutes.len() as f64 / 60.0], 12);
         Chart::new(title, across, Axis::linear(up, FROM_ZERO, 6), curves).grouped("hours", 320)
     };
     let charts = vec![
         chart("Income of each hour", "mean power [µW]", Some(truth), &estimated),
         chart("Storage", "stored energy [mJ]", None, &stored),
-        chart("Actions", "actions since midnight", None, &acted),
+        chart("Actions", "actions since the begin", None, &acted),
         chart("Estimating the income", "mean power [nW]", None, &estimation),
     ];
-    let title = "A day of a node by each strategy".to_owned();
-    Ok(Picture { title, width: 980, charts, ..Picture::default() })
+    let course =
+        extent.courses.iter().find(|course| moves(line.kind, **course)).map(name).unwrap_or_default();
+    let (part, storage, capacitance) = (processor.name, storage.name, with_unit(storage.capacitance, "F"));
+    let title = format!(
+        "A node by each strategy: {harvester} as designed, {course}, {part}, {storage}, {capacitance}"
+    );
+    Picture { title, width: 980, charts, ..Picture::default() }
 }
 
 /// The title of a chart of quarters, its ordinate, the worse of two values, and the value.

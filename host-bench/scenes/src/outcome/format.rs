@@ -1,5 +1,6 @@
 //! An outcome as text: a table for people, JSON and CSV for programs.
 
+use std::collections::BTreeSet;
 use std::iter::once;
 
 use clap::ValueEnum;
@@ -143,7 +144,8 @@ fn widest(texts: impl Iterator<Item = String>, breaks: &[char]) -> usize {
 }
 
 /// A table for a terminal, line break included: the columns beyond the first `words` stand at the right. Where it would be wider
-/// than [`WIDTH`], headings and words take several lines, and numbers one; columns that have no room follow below, behind the words.
+/// than [`WIDTH`], headings and words take several lines, and numbers one. Where that has no room either, what is the same in all
+/// rows is said once, and the other columns follow in parts, each behind the words and what else tells rows apart.
 pub fn table<R: Into<Row>>(
     style: TableStyle,
     headings: impl Into<Row>,
@@ -151,22 +153,48 @@ pub fn table<R: Into<Row>>(
     words: usize,
 ) -> String {
     let cells = |row: Row| row.cell_iter().map(Cell::content).collect::<Vec<String>>();
-    let (headings, rows) = (cells(headings.into()), rows.into_iter().map(|row| cells(row.into())));
-    let rows: Vec<Vec<String>> = rows.collect();
-    let left = if words < headings.len() { words } else { 1 };
-    let of = |count: usize| {
-        let first = |row: &Vec<String>| row.iter().take(count).cloned().collect::<Vec<String>>();
-        let text = whole_table(style, first(&headings), rows.iter().map(first), words);
-        let is_wide = text.lines().any(|line| line.chars().count() > WIDTH);
-        (!is_wide || count <= left + 1).then_some((count, text))
+    let headings = cells(headings.into());
+    let rows: Vec<Vec<String>> = rows.into_iter().map(|row| cells(row.into())).collect();
+    let of = |columns: &[usize], words: usize| {
+        let some = |row: &Vec<String>| columns.iter().map(|&at| row[at].clone()).collect::<Vec<_>>();
+        let text = whole_table(style, some(&headings), rows.iter().map(some), words);
+        (text.lines().all(|line| line.chars().count() <= WIDTH), text)
     };
-    let (count, text) = (0..=headings.len()).rev().find_map(of).unwrap_or_default();
-    if count == headings.len() {
+    if let (true, text) = of(&Vec::from_iter(0..headings.len()), words) {
         return text;
     }
-    let rest =
-        |row: &Vec<String>| row.iter().take(left).chain(row.iter().skip(count)).cloned().collect::<Vec<_>>();
-    text + "\n" + &table(style, rest(&headings), rows.iter().map(rest).collect::<Vec<_>>(), words)
+    let distinct = |keys: &[usize]| {
+        let of_row = rows.iter().map(|row| keys.iter().map(|key| &row[*key]).collect::<Vec<_>>());
+        of_row.collect::<BTreeSet<_>>().len()
+    };
+    let left = if words < headings.len() { words } else { 1 };
+    let (mut same, mut keys, mut rest) = (Vec::new(), Vec::new(), Vec::new());
+    for (at, heading) in headings.iter().enumerate() {
+        let more = [&keys[..], &[at]].concat();
+        if rows.len() > 1 && distinct(&[at]) == 1 && !rows[0][at].is_empty() {
+            same.push(format!("{heading} {}", rows[0][at]));
+        } else if at < left || distinct(&more) > distinct(&keys) {
+            keys = more;
+        } else {
+            rest.push(at);
+        }
+    }
+    let words = if words < headings.len() { keys.partition_point(|key| *key < words) } else { words };
+    let said = folded(&format!("In all rows: {}", same.join(", ")), 2) + "\n\n";
+    let mut text = if same.is_empty() { String::new() } else { said };
+    loop {
+        let part = |count: usize| {
+            let (fits, part) = of(&[&keys[..], &rest[..count]].concat(), words);
+            (fits || count < 2).then_some((count, part))
+        };
+        let (count, part) = (0..=rest.len()).rev().find_map(part).unwrap_or_default();
+        rest.drain(..count);
+        text += &part;
+        if rest.is_empty() {
+            return text;
+        }
+        text.push('\n');
+    }
 }
 
 /// A table with all columns beside each other.
@@ -313,8 +341,10 @@ mod tests {
     fn a_wide_table_breaks_no_word_where_there_is_room() {
         let headings =
             ["quantity", "contact-separation f32", "contact-separation f64", "sliding f32", "bump-stop f64"];
-        let row = |name: &'static str| [name, "163 / 169", "162 / 163", "30 / 31", "90 / 94"];
-        let rows = [row("statement over error, 90th percentile"), row("warned, of them below a tenth")];
+        let rows = [
+            ["statement over error, 90th percentile", "163 / 169", "162 / 163", "30 / 31", "90 / 94"],
+            ["warned, of them below a tenth", "16 / 169", "16 / 163", "3 / 31", "9 / 94"],
+        ];
         for (names, style) in
             [(0, presets::ASCII_MARKDOWN), (1, presets::ASCII_MARKDOWN), (1, presets::NOTHING)]
         {
@@ -330,13 +360,18 @@ mod tests {
             let broken: Vec<&String> = found.iter().filter(|word| !whole.contains(word)).collect();
             assert!(broken.is_empty(), "{broken:?} in\n{text}");
         }
-        // Columns that have no room follow below.
+        // Columns that have no room follow below, behind what tells rows apart; what all rows have is said once.
         let many: Vec<String> = (10..40).map(|column| format!("column_{column}")).collect();
-        let text = table(presets::NOTHING, many.clone(), [many.clone()], 1);
+        let row = |key: &str| {
+            let own = ["a", "x", key].map(str::to_owned);
+            own.into_iter().chain((13..40).map(|column| format!("{column}_{key}"))).collect::<Vec<String>>()
+        };
+        let text = table(presets::NOTHING, many.clone(), ["1", "2"].map(row), 1);
         assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
-        assert!(
-            many.iter().all(|name| text.contains(name)) && text.matches("column_10").count() > 1,
-            "{text}"
-        );
+        assert!((13..40).all(|column| text.contains(&format!("{column}_2"))), "{text}");
+        let starts = ["In all rows: column_10 a, column_11 x", "1 ", "2 "];
+        let found =
+            starts.map(|start| text.lines().filter(|line| line.trim_start().starts_with(start)).count());
+        assert_eq!(found, [1, 3, 3], "{text}");
     }
 }

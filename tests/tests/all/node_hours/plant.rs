@@ -152,6 +152,7 @@ fn the_rows_have_the_keys_of_their_contract() {
     let extent = Extent {
         kinds: vec![Kind::ContactSeparation],
         courses: vec![Course::Random],
+        parts: vec!["nrf52832", "stm32l051", "apollo3"],
         storages: STORAGES.to_vec(),
         as_designed: false,
         hours: 4,
