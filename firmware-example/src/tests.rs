@@ -31,8 +31,9 @@ impl Program {
         let mut functions = HashMap::new();
         // Numbers of labels with the place of the next instruction.
         let mut labels = Vec::new();
-        for line in SOURCE.lines() {
-            let mut line = line.split('@').next().unwrap_or_default().trim();
+        let source = SOURCE.lines().map(|line| line.split('@').next().unwrap_or_default().trim().to_string());
+        for line in &expanded(&source.collect::<Vec<_>>(), &mut HashMap::new()) {
+            let mut line = line.trim();
             if let Some((label, rest)) = line.split_once(':') {
                 if label.parse::<u32>().is_ok() {
                     labels.push((label.to_string(), lines.len()));
@@ -61,6 +62,38 @@ impl Program {
         }
         Self { lines, functions }
     }
+}
+
+/// Macros with the names of their parameters and their lines.
+type Macros = HashMap<String, (Vec<String>, Vec<String>)>;
+
+/// The lines of a text with its macros and repetitions in full, a statement each.
+fn expanded(lines: &[String], macros: &mut Macros) -> Vec<String> {
+    let (mut found, mut rest) = (Vec::new(), lines.iter());
+    while let Some(line) = rest.next() {
+        let all = line.split([' ', ',']).filter(|word| !word.is_empty());
+        let all: Vec<String> = all.map(str::to_string).collect();
+        let name = all.first().map_or("", String::as_str);
+        if name == ".macro" || name == ".rept" {
+            let body =
+                rest.by_ref().take_while(|line| !line.starts_with(".end")).cloned().collect::<Vec<_>>();
+            if name == ".macro" {
+                macros.insert(all[1].clone(), (all[2..].to_vec(), body));
+            } else {
+                let times = all[1].parse().expect("a number");
+                found.extend((0..times).flat_map(|_| expanded(&body, macros)));
+            }
+        } else if let Some((parameters, body)) = macros.get(name).cloned() {
+            let with = |line: &String| {
+                let pairs = parameters.iter().zip(&all[1..]);
+                pairs.fold(line.clone(), |line, (of, value)| line.replace(&std::format!("\\{of}"), value))
+            };
+            found.extend(expanded(&body.iter().map(with).collect::<Vec<_>>(), macros));
+        } else {
+            found.extend(line.split(';').map(str::to_string));
+        }
+    }
+    found
 }
 
 /// A core in a call of a function.
@@ -169,7 +202,11 @@ impl Core {
             "bx" => return RETURN,
             "bl" => {
                 let [a, b] = [0, 1].map(|index| f32::from_bits(self.registers[index]));
-                let result = if operands[0] == "__mulsf3" { a * b } else { a + b };
+                let result = match operands[0] {
+                    "__mulsf3" => a * b,
+                    "__divsf3" => a / b,
+                    _ => a + b,
+                };
                 self.registers[..4].copy_from_slice(&[result.to_bits(), 1, 2, 3]);
                 self.registers[12] = 4;
             }
@@ -273,15 +310,18 @@ fn pairs(count: u64) -> impl Iterator<Item = (u32, u32)> {
 }
 
 #[test]
-fn products_sums_and_comparisons_have_the_bits_of_the_host() {
+fn products_quotients_sums_and_comparisons_have_the_bits_of_the_host() {
     let program = Program::new();
     let same =
         |one: u32, two: u32| one == two || f32::from_bits(one).is_nan() && f32::from_bits(two).is_nan();
     for (a, b) in pairs(60_000) {
         let [of_a, of_b] = [a, b].map(f32::from_bits);
-        for (function, expected) in
-            [("__aeabi_fmul", of_a * of_b), ("__aeabi_fadd", of_a + of_b), ("__aeabi_fsub", of_a - of_b)]
-        {
+        for (function, expected) in [
+            ("__aeabi_fmul", of_a * of_b),
+            ("__aeabi_fdiv", of_a / of_b),
+            ("__aeabi_fadd", of_a + of_b),
+            ("__aeabi_fsub", of_a - of_b),
+        ] {
             let (found, _) = Core::call(&program, function, a, b);
             assert!(same(found, expected.to_bits()), "{function} {a:#x} {b:#x} {found:#x}");
         }
@@ -298,12 +338,14 @@ fn products_sums_and_comparisons_have_the_bits_of_the_host() {
 }
 
 #[test]
-fn a_product_or_a_sum_of_usual_numbers_takes_less_than_sixty_instructions() {
+fn operations_on_usual_numbers_take_few_instructions() {
     let program = Program::new();
     let usual: Vec<(u32, u32)> = pairs(6000)
         .filter(|(a, b)| [a, b].iter().all(|bits| (100..150).contains(&(*bits >> 23 & 255))))
         .collect();
-    for (function, most) in [("__aeabi_fmul", 58.0), ("__aeabi_fadd", 58.0), ("__aeabi_fcmplt", 20.0)] {
+    let most =
+        [("__aeabi_fmul", 58.0), ("__aeabi_fdiv", 88.0), ("__aeabi_fadd", 58.0), ("__aeabi_fcmplt", 20.0)];
+    for (function, most) in most {
         let counts = usual.iter().map(|&(a, b)| f64::from(Core::call(&program, function, a, b).1));
         let mean = counts.sum::<f64>() / usual.len() as f64;
         assert!(mean < most && mean > 0.5 * most, "{function} {mean}");

@@ -1,15 +1,17 @@
-@ Product, sum, difference and comparisons of f32 on an ARMv6-M core (Cortex-M0, M0+), with the bits of IEEE 754: to nearest and to even.
+@ Product, quotient, sum, difference and comparisons of f32 on an ARMv6-M core (Cortex-M0, M0+), with the bits of IEEE 754: to nearest and to even.
 @ Of two operands that are not a number the bits of either may be kept.
-@ What is not a normal number, or has no normal result, goes to the functions of the compiler, __mulsf3 and __addsf3; zeros do not.
+@ What is not a normal number, or has no normal result, goes to the functions of the compiler, __mulsf3, __divsf3 and __addsf3; zeros of products and sums do not.
 @ Arguments and results are bits in registers: r0, r1 in, r0 out; r2, r3 and r12 are free by the calling convention.
 
     .syntax unified
-    .section .text.harvester_fmul, "ax", %progbits
-    .balign 4
-    .global __aeabi_fmul
-    .type __aeabi_fmul, %function
+    .macro function name
+    .global \name
+    .type \name, %function
     .thumb_func
-__aeabi_fmul:
+\name:
+    .endm
+
+    .macro unpack
     push {{r0, r1, r4, r5, r6, lr}}
     mov r4, r0
     eors r4, r1
@@ -24,6 +26,12 @@ __aeabi_fmul:
     subs r5, r3, #1
     cmp r5, #254
     bhs 5f
+    .endm
+
+    .section .text.harvester_fmul, "ax", %progbits
+    .balign 4
+    function __aeabi_fmul
+    unpack
     adds r2, r4, r5
     @ Significands of 24 bits in parts of 16 and 8.
     uxtb r6, r0
@@ -91,17 +99,11 @@ __aeabi_fmul:
 
     .section .text.harvester_fadd, "ax", %progbits
     .balign 4
-    .global __aeabi_fsub
-    .type __aeabi_fsub, %function
-    .thumb_func
-__aeabi_fsub:
+    function __aeabi_fsub
     movs r2, #1
     lsls r2, r2, #31
     eors r1, r2
-    .global __aeabi_fadd
-    .type __aeabi_fadd, %function
-    .thumb_func
-__aeabi_fadd:
+    function __aeabi_fadd
     push {{r4, r5, r6, lr}}
     lsls r2, r0, #1
     lsls r3, r1, #1
@@ -197,61 +199,85 @@ __aeabi_fadd:
     pop {{r4, r5, r6, pc}}
     .size __aeabi_fadd, . - __aeabi_fadd
 
-    .section .text.harvester_fcmp, "ax", %progbits
+    .section .text.harvester_fdiv, "ax", %progbits
     .balign 4
-    .global __aeabi_fcmpgt
-    .type __aeabi_fcmpgt, %function
-    .thumb_func
-__aeabi_fcmpgt:
-    mov r2, r0
-    mov r0, r1
-    mov r1, r2
-    .global __aeabi_fcmplt
-    .type __aeabi_fcmplt, %function
-    .thumb_func
-__aeabi_fcmplt:
-    movs r2, #255
-    lsls r2, r2, #24
-    lsls r3, r0, #1
-    cmp r3, r2
-    bhi 2f                      @ not a number
-    lsls r3, r1, #1
-    cmp r3, r2
-    bhi 2f
-    mov r2, r0
-    orrs r2, r1
-    bmi 3f
+    function __aeabi_fdiv
+    unpack
+    subs r2, r2, r3
+    adds r2, #126               @ exponent field less 1: the leading bit adds it
+    movs r4, #1
+    lsls r4, r4, #31
+    lsls r0, r0, #8
+    orrs r0, r4
+    lsrs r0, r0, #8             @ significands m and d of 24 bits
+    lsls r1, r1, #8
+    orrs r1, r4
+    lsrs r3, r1, #16            @ d to 16 bits, t
+    lsrs r1, r1, #8
     cmp r0, r1
-    bge 2f
-1:  movs r0, #1
-    bx lr
-2:  movs r0, #0
-    bx lr
-3:  lsls r2, r2, #1
-    beq 2b                      @ two zeros
-    mov r2, r0
-    ands r2, r1
-    bmi 4f
-    cmp r0, r1
-    blt 1b
-    b 2b
-4:  cmp r0, r1                  @ two numbers below zero
-    bgt 1b
-    b 2b
-    .size __aeabi_fcmplt, . - __aeabi_fcmplt
+    bhs 1f
+    adds r0, r0, r0             @ d <= m < 2 d
+    subs r2, r2, #1
+1:  lsrs r4, r3, #4             @ x, 2^31/t: a line within 7 %, two iterations of Newton, 2 less: not above 2^39/d
+    subs r4, r4, r3
+    movs r5, #180
+    lsls r5, r5, #9
+    adds r4, r4, r5
+    .rept 2
+    mov r5, r4
+    muls r5, r3, r5
+    rsbs r5, r5, #0
+    lsrs r5, r5, #16
+    muls r4, r5, r4
+    lsrs r4, r4, #15
+    .endr
+    subs r4, r4, #2
+    lsrs r5, r0, #9
+    muls r5, r4, r5
+    lsrs r5, r5, #18            @ upper digit of 12 bits and one
+    mov r6, r5
+    muls r6, r1, r6
+    lsls r0, r0, #12
+    subs r0, r0, r6
+    lsrs r6, r0, #10
+    muls r6, r4, r6
+    lsrs r6, r6, #17            @ lower digit
+    lsls r5, r5, #12
+    adds r5, r5, r6
+    muls r6, r1, r6
+    lsls r0, r0, #12
+    subs r0, r0, r6
+    b 3f
+2:  adds r5, r5, #1
+    subs r0, r0, r1
+3:  cmp r0, r1
+    bhs 2b
+    cmp r2, #253
+    bhs 5f
+    lsls r2, r2, #23
+    lsrs r5, r5, #1             @ carry: the first bit below the result, which never lies in the middle
+    adcs r2, r5
+    mov r0, r12
+    lsrs r0, r0, #31
+    lsls r0, r0, #31
+    orrs r0, r2
+    add sp, #8
+    pop {{r4, r5, r6, pc}}
+5:  ldr r0, [sp]
+    ldr r1, [sp, #4]
+    bl __divsf3
+    add sp, #8
+    pop {{r4, r5, r6, pc}}
+    .size __aeabi_fdiv, . - __aeabi_fdiv
 
+    @ Of operands that are not below zero, of zeros, of one below zero, of both.
+    .macro compare swapped, name, fails, zeros, holds, below
     .balign 4
-    .global __aeabi_fcmpge
-    .type __aeabi_fcmpge, %function
-    .thumb_func
-__aeabi_fcmpge:
+    function \swapped
     mov r2, r0
     mov r0, r1
     mov r1, r2
-    .global __aeabi_fcmple
-    .type __aeabi_fcmple, %function
-    .thumb_func
-__aeabi_fcmple:
+    function \name
     movs r2, #255
     lsls r2, r2, #24
     lsls r3, r0, #1
@@ -264,20 +290,25 @@ __aeabi_fcmple:
     orrs r2, r1
     bmi 3f
     cmp r0, r1
-    bgt 2f
+    b\fails 2f
 1:  movs r0, #1
     bx lr
 2:  movs r0, #0
     bx lr
 3:  lsls r2, r2, #1
-    beq 1b                      @ two zeros
+    beq \zeros                  @ two zeros
     mov r2, r0
     ands r2, r1
     bmi 4f
     cmp r0, r1
-    ble 1b
+    b\holds 1b
     b 2b
 4:  cmp r0, r1                  @ two numbers below zero
-    bge 1b
+    b\below 1b
     b 2b
-    .size __aeabi_fcmple, . - __aeabi_fcmple
+    .size \name, . - \name
+    .endm
+
+    .section .text.harvester_fcmp, "ax", %progbits
+    compare __aeabi_fcmpgt, __aeabi_fcmplt, ge, 2b, lt, gt
+    compare __aeabi_fcmpge, __aeabi_fcmple, gt, 1b, le, ge

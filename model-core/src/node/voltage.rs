@@ -298,10 +298,9 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         if seconds == 0 {
             return 0;
         }
-        let ages = [&mut state.since, &mut state.attempted, &mut state.hour.seconds];
-        for age in ages.into_iter().chain(&mut state.rested) {
-            *age = age.saturating_add(seconds);
-        }
+        let aged = |age: u32| age.saturating_add(seconds);
+        (state.since, state.attempted) = (aged(state.since), aged(state.attempted));
+        (state.hour.seconds, state.rested) = (aged(state.hour.seconds), state.rested.map(aged));
         if !state.is_located {
             state.hour.silent = state.hour.silent.saturating_add(seconds);
             return seconds;
