@@ -40,8 +40,9 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
                 return;
             }
             let side = u32::from(departure < 0.0);
-            let is_other = state.contradictions > 1 && state.contradictions % 2 != side;
-            let before = if state.contradictions % 2 == side { state.contradictions } else { side };
+            let is_same = state.contradictions % 2 == side;
+            let is_other = state.contradictions > 1 && !is_same;
+            let before = if is_same { state.contradictions } else { side };
             state.contradictions = before.wrapping_add(2);
             if state.contradictions < 2 * CONTRADICTIONS {
                 // The next comparison comes now, not with the next check. Vibration that beats contradicts to either side: it waits.
