@@ -284,7 +284,7 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
         Self::fold(&mut state.sections, shift);
         // One more to each side than squares.
         let mut bins = [[0; 2]; MOST_BINS + 1];
-        for (place, bin) in bins.iter_mut().enumerate().take(Self::BINS + 2) {
+        for (place, bin) in (0..Self::BINS.saturating_add(2)).zip(&mut bins) {
             *bin = self.bin(&state.sections, place.wrapping_sub(Self::REACH as usize + 1));
         }
         *state = LineBankState { count: P as u32 + 1, place: shift, ..LineBankState::default() };
@@ -373,19 +373,14 @@ impl<const M: usize, const P: usize> LineBank<M, P> {
     /// Puts what the bins `4 k`, `4 k + 2`, `4 k + 1` and `4 k + 3` are summed of in the four quarters of the sections, which lose `shift` bits:
     /// the rotation of a quarter of the sections is a quarter turn, exactly.
     fn fold(sections: &mut [[i32; 2]; P], shift: u32) {
-        for index in 0..P / 4 {
-            let places = [0, 1, 2, 3].map(|part| index + part * (P / 4));
-            let [a, b, c, d] = places.map(|place| {
-                sections.get(place).map_or([0; 2], |sums| sums.map(|sum| sum.wrapping_shr(shift)))
-            });
-            let (even, other, odd, [real, imaginary]) = (add(a, c), add(b, d), less(a, c), less(b, d));
+        let mut quarters = sections.chunks_exact_mut((P / 4).max(1));
+        let [Some(a), Some(b), Some(c), Some(d)] = [(); 4].map(|()| quarters.next()) else { return };
+        for (((a, b), c), d) in a.iter_mut().zip(b).zip(c).zip(d) {
+            let sums = [*a, *b, *c, *d].map(|sums| sums.map(|sum| sum.wrapping_shr(shift)));
+            let (even, other) = (add(sums[0], sums[2]), add(sums[1], sums[3]));
+            let (odd, [real, imaginary]) = (less(sums[0], sums[2]), less(sums[1], sums[3]));
             let turned = [imaginary, real.wrapping_neg()];
-            let folded = [add(even, other), less(even, other), add(odd, turned), less(odd, turned)];
-            for (place, value) in places.into_iter().zip(folded) {
-                if let Some(entry) = sections.get_mut(place) {
-                    *entry = value;
-                }
-            }
+            (*a, *b, *c, *d) = (add(even, other), less(even, other), add(odd, turned), less(odd, turned));
         }
     }
 

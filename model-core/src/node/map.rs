@@ -428,6 +428,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
     }
 
     /// Does a part of what a whole block asks for; whether there was one.
+    #[inline(never)]
     fn evaluate_block(&self, burst: &mut Burst<P>, voltage: f32) -> bool {
         if self.bank.transform(&mut burst.bank) {
             return true;
@@ -437,6 +438,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
     }
 
     /// Does one of the three parts of what a whole burst asks for: the bins of its last block, their lines, what the burst says, which is given.
+    #[inline(never)]
     fn evaluate(&self, state: &mut MapState<P, ACTIONS>) -> Option<Finding> {
         let voltage = self.voltage_of_map(state);
         let is_of_block = self.evaluate_block(&mut state.burst, voltage);
