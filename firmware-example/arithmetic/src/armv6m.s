@@ -224,12 +224,8 @@
     lsls r5, r5, #9
     adds r4, r4, r5
     .rept 2
-    mov r5, r4
-    muls r5, r3, r5
-    rsbs r5, r5, #0
-    lsrs r5, r5, #16
-    muls r4, r5, r4
-    lsrs r4, r4, #15
+    mov r5, r4; muls r5, r3, r5; rsbs r5, r5, #0; lsrs r5, r5, #16
+    muls r4, r5, r4; lsrs r4, r4, #15
     .endr
     subs r4, r4, #2
     lsrs r5, r0, #9
