@@ -5,9 +5,9 @@ use super::{Decomposed, Polynomial, Scalar, Sealed};
 /// Implements [`Scalar`] for `$float` with the bits of a `$bits`.
 ///
 /// The square root takes `$iterations` of Newton's iteration from an estimate within 6 %: the bits of the number, shifted
-/// to halve the biased exponent, plus `$offset`.
+/// to halve the biased exponent, plus `$offset`. With `$below` numbers below the normal ones, whose estimate is farther off, take one more.
 macro_rules! impl_scalar {
-    ($float:ident, $bits:ident, $from_fraction:expr, $offset:literal, $iterations:literal) => {
+    ($float:ident, $bits:ident, $from_fraction:expr, $offset:literal, $iterations:literal, $below:literal) => {
         #[allow(clippy::cast_lossless, clippy::cast_possible_truncation, reason = "rounding is the purpose")]
         impl Scalar for $float {
             type Build = Polynomial;
@@ -84,6 +84,9 @@ macro_rules! impl_scalar {
                 for _ in 0..$iterations {
                     root = 0.5 * (root + self / root);
                 }
+                if $below && self.to_bits() < $float::MIN_POSITIVE.to_bits() {
+                    root = 0.5 * (root + self / root);
+                }
                 root
             }
         }
@@ -111,13 +114,21 @@ macro_rules! impl_scalar {
 }
 
 // The upper word holds more bits than the mantissa, and a 32-bit core converts it in one instruction.
-impl_scalar!(f32, u32, |value: i64| (value >> 32) as i32 as f32 * (1.0 / 2_147_483_648.0), 0x1fbb_67ae, 4);
+impl_scalar!(
+    f32,
+    u32,
+    |value: i64| (value >> 32) as i32 as f32 * (1.0 / 2_147_483_648.0),
+    0x1fbb_67ae,
+    3,
+    true
+);
 impl_scalar!(
     f64,
     u64,
     |value: i64| value as f64 * (1.0 / 9_223_372_036_854_775_808.0),
     0x1ff7_6cf5_d0b0_9955,
-    5
+    5,
+    false
 );
 
 #[cfg(test)]
