@@ -14,7 +14,8 @@ fn a_plot_has_runs_and_traces() {
     assert_eq!(accepted(&[&plot[..], &SHORT].concat()).trim(), svg);
     let picture = std::fs::read_to_string(&svg).expect("the picture");
     for text in [
-        "contact-separation-passive.toml, exponential-radau: 50 µC/m², 1.962 m/s², 20.5 Hz",
+        "contact-separation-passive.toml",
+        "1.962 m/s², 20.5 Hz",
         "resistance_ohm = 1e6",
         "resistance_ohm = 1e8",
         "trace.csv",

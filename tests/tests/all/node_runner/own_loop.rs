@@ -56,8 +56,9 @@ impl Firmware {
         }
     }
 
+    /// A wait of no time is a part of the evaluation of a burst.
     fn is_idle(&self) -> bool {
-        self.wake.task == Task::Sleep
+        self.wake.task == Task::Sleep && self.wake.again_in > 0
     }
 
     fn run_until(&mut self, second: u32) {
