@@ -142,7 +142,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     }
 
     /// Circuit and force at a displacement in m from `start` and a velocity in m/s.
-    #[inline(always)]
+    #[inline]
     fn stage(&self, _start: &Point<S, N, P>, _displacement: S, _velocity: S) -> Stage<S> {
         Stage { circuit: None, force: [S::ZERO; 3], power: None }
     }
@@ -204,13 +204,13 @@ pub struct CircuitEquation<S> {
 
 impl<S: Scalar> CircuitEquation<S> {
     /// The rate at a change of the circuit's state.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn rate(&self, change: S) -> S {
         (self.drive - self.stiffness * change) / self.inertia
     }
 
     /// `z = weight · y'` at the change `carried + z`.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn increment(&self, carried: S, weight: S) -> S {
         weight * (self.drive - self.stiffness * carried) / (self.inertia + weight * self.stiffness)
     }
@@ -229,7 +229,7 @@ pub struct Stage<S> {
 
 impl<S: Scalar> Stage<S> {
     /// The force per mass in m/s² at a change of the circuit's state.
-    #[inline(always)]
+    #[inline]
     fn force_at(&self, change: S) -> S {
         let [constant, linear, quadratic] = self.force;
         constant + change * (linear + change * quadratic)
@@ -292,7 +292,7 @@ pub struct Base<'a, S, const N: usize, const P: usize> {
 
 impl<S: Scalar, const N: usize, const P: usize> Base<'_, S, N, P> {
     /// The change of the state since the start, with an increment.
-    #[inline(always)]
+    #[inline]
     pub fn change(&self, increment: &[S; N]) -> [S; N] {
         sum(self.carried, increment)
     }
@@ -331,7 +331,7 @@ pub trait Input<S: Scalar> {
 }
 
 impl<S: Scalar, F: Fn(u32) -> S> Input<S> for F {
-    #[inline(always)]
+    #[inline]
     fn at(&self, ticks: u32) -> S {
         self(ticks)
     }
@@ -345,7 +345,7 @@ pub(crate) struct InputFrom<'a, E> {
 }
 
 impl<S: Scalar, E: Excitation<S>> Input<S> for InputFrom<'_, E> {
-    #[inline(always)]
+    #[inline]
     fn at(&self, ticks: u32) -> S {
         self.excitation.acceleration(self.from.after(ticks))
     }
@@ -406,7 +406,7 @@ pub trait Method<S: Scalar> {
     type Prediction: Copy;
 
     /// The longest step in seconds of a system, whose angular frequency and that of the input are at most `angular_frequency` in rad/s.
-    #[inline(always)]
+    #[inline]
     fn longest_step<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,
         _system: &Y,
@@ -416,7 +416,7 @@ pub trait Method<S: Scalar> {
     }
 
     /// Predicts the motion, without the circuit; `None` if the method has no prediction that costs less than a step.
-    #[inline(always)]
+    #[inline]
     fn predict<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,
         _system: &Y,
@@ -426,7 +426,7 @@ pub trait Method<S: Scalar> {
     }
 
     /// The end of a step as predicted.
-    #[inline(always)]
+    #[inline]
     fn predicted_end<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,
         _system: &Y,

@@ -50,7 +50,7 @@ impl<S: Scalar, M: Mathematics<S>> Sine<S, M> {
 }
 
 impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Sine<S, M> {
-    #[inline(always)]
+    #[inline]
     fn acceleration(&self, at: Instant) -> S {
         self.amplitude * M::sine_of_turns(self.phase(at))
     }

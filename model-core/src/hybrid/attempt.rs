@@ -54,7 +54,7 @@ where
     C: StepControl<S>,
 {
     /// A step of `ticks`.
-    #[inline(always)]
+    #[inline]
     fn of(&self, ticks: u32) -> Attempt<'a, S, InputFrom<'a, E>, N, P> {
         let input = InputFrom { excitation: self.excitation, from: self.clock };
         Attempt { start: self.start, input, ticks, accuracy: self.accuracy(), after_jump: self.after_jump }
@@ -89,7 +89,7 @@ where
     }
 
     /// Guard number `index` at a point `ticks` into the step.
-    #[inline(always)]
+    #[inline]
     pub(super) fn guard(&self, index: usize, point: &Point<S, N, P>, ticks: u32) -> Guard<S> {
         let input = InputAt::new(self.excitation, self.clock.after(ticks));
         self.automaton.guard(self.mode, index, self.armed, point, &input)
@@ -110,7 +110,7 @@ where
     }
 
     /// A guard below zero at the end of a step; all of them are put into `memo`.
-    #[inline(always)]
+    #[inline]
     pub(super) fn fallen(&self, end: &Point<S, N, P>, ticks: u32, memo: &mut Memo<S>) -> Option<usize> {
         let mut fallen = None;
         self.each_guard(end, ticks, |index, guard| {
@@ -124,7 +124,7 @@ where
 
     /// The guard that falls first in the step to `end`, among those without a bit in `done`, and the
     /// fraction of the step at which the dense output falls through zero.
-    #[inline(always)]
+    #[inline]
     pub(super) fn first_fall(&self, end: &Point<S, N, P>, ticks: u32, done: u32) -> Option<(usize, S)> {
         let mut first = None;
         for index in 0..self.automaton.guards(self.mode).min(MOST_GUARDS) {

@@ -301,7 +301,7 @@ impl<M, C> Driver<M, C> {
     /// the state, or is not read.
     ///
     /// A dense output that started inside a layer much shorter than the step would overshoot.
-    #[inline(always)]
+    #[inline]
     fn settled_start<O: Observer<S>, S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
         &self,
         automaton: &A,
@@ -376,7 +376,7 @@ impl<M, C> Driver<M, C> {
 }
 
 /// Whether a method carries the derivative of a system: one that predicts steps by the split form.
-#[inline(always)]
+#[inline]
 const fn carries<S: Scalar, M: Method<S>, Y: System<S, N, P>, const N: usize, const P: usize>() -> bool {
     M::CARRIES_DERIVATIVES && (M::PREDICTS || Y::CARRIED)
 }
@@ -385,7 +385,7 @@ const fn carries<S: Scalar, M: Method<S>, Y: System<S, N, P>, const N: usize, co
 ///
 /// The search repeats after each located guard, because another guard may fall earlier: the dense output of a
 /// long step can order two falls wrongly, or show a graze that the shorter step does not have.
-#[inline(always)]
+#[inline]
 fn first_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     attempts: &Attempts<'_, S, A, impl Excitation<S>, impl Method<S>, impl StepControl<S>, N, P>,
     taken: &mut TakenStep<S, N, P>,
@@ -412,7 +412,7 @@ fn first_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>
 }
 
 /// The accepted step as an observer sees it.
-#[inline(always)]
+#[inline]
 fn accepted_step<'a, O: Observer<S>, S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     automaton: &A,
     state: &'a HybridState<S, A::Mode, N, P>,

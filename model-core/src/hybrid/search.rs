@@ -238,7 +238,7 @@ impl<S: Scalar> Search<S> {
 }
 
 /// `ticks` and `missing` seconds, which may be negative, in ticks; at least 1.
-#[inline(always)]
+#[inline]
 pub(super) fn ticks_after<S: Scalar>(ticks: u32, missing: S) -> u32 {
     let moved = (missing.abs() / seconds_of_ticks(1) + S::from_f64(0.5)).to_u32();
     if missing < S::ZERO { ticks.saturating_sub(moved).max(1) } else { ticks.saturating_add(moved) }

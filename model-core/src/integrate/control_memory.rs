@@ -45,7 +45,7 @@ impl<S: Scalar> ControlMemory<S> {
     }
 
     /// The longest step in ticks if an event is soon: an eighth longer if the last error was below half of the allowed one.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn stretched(&self, ticks: u32) -> u32 {
         // A stretched step that is rejected is not stretched again.
         let has_margin = self.rejections == 0 && self.previous < -(1 << 23);

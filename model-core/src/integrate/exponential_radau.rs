@@ -102,7 +102,7 @@ impl<S: Scalar> Prediction<S> {
     /// The acceleration in m/s² at the end of the step under a force per mass.
     ///
     /// With the remainder of the position: a small motion is a small difference of positions.
-    #[inline(always)]
+    #[inline]
     fn end_acceleration<const N: usize, const P: usize>(&self, end: &Point<S, N, P>, force: S) -> S {
         let Oscillator { stiffness, damping, rest, base_coupling } = self.oscillator;
         let Point { state, remainder, .. } = end;
@@ -170,7 +170,7 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         Some(Prediction { oscillator, kernel, response, layer, rate, force, rise, change })
     }
 
-    #[inline(always)]
+    #[inline]
     fn predicted_end<const N: usize, const P: usize, Y: System<S, N, P>>(
         &self,
         _system: &Y,

@@ -127,14 +127,14 @@ impl<S: Scalar> StepControl<S> for FixedStep {
         ControlMemory::starting_with(self.ticks)
     }
 
-    #[inline(always)]
+    #[inline]
     fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S {
         // The local error is about 0.04 (ω h)³. The sum of the errors over all steps must stay of second order.
         let radians = seconds_of_ticks::<S>(ticks) * scale.angular_frequency;
         (S::from_f64(1e-4) * radians * radians * radians).max(S::EPSILON * S::from_f64(NEWTON_ROUNDINGS))
     }
 
-    #[inline(always)]
+    #[inline]
     fn judge(
         &self,
         memory: &mut ControlMemory<S>,
@@ -209,7 +209,7 @@ struct RelativeErrors<S> {
 
 impl<S> RelativeErrors<S> {
     /// The logarithm of the ratio in units of 2⁻²³.
-    #[inline(always)]
+    #[inline]
     fn logarithm(&self) -> i32 {
         log2(Scalar::max(self.ratio, 1e-8))
     }
@@ -302,7 +302,7 @@ impl<S: Scalar> Adaptive<S> {
 
 /// Piecewise-linear binary logarithm in units of 2⁻²³: the bits of a float as an integer. Its error is at
 /// most 0.09, a few per cent of the step.
-#[inline(always)]
+#[inline]
 fn log2(ratio: f32) -> i32 {
     ratio.to_bits().cast_signed().wrapping_sub(0x3f80_0000)
 }
@@ -311,14 +311,14 @@ fn log2(ratio: f32) -> i32 {
 ///
 /// A shorter time scale shortens the step by its power 3/4, a longer one lengthens it by its power 1/2. With the
 /// contact-separation scene these powers take the fewest steps; without them every step before an impact is rejected.
-#[inline(always)]
+#[inline]
 fn change_with<S: Scalar>(time_scale_ratio: S) -> i32 {
     let ratio = log2(time_scale_ratio.to_f32());
     if ratio > 0 { ratio >> 1 } else { (ratio >> 2) * 3 }
 }
 
 /// `ticks · 2^change` by the inverse of [`log2`], with `change` in units of 2⁻²³.
-#[inline(always)]
+#[inline]
 fn scaled(ticks: u32, change: i32) -> u32 {
     let factor = f32::from_bits(change.wrapping_add(0x3f80_0000).cast_unsigned());
     f32::to_u32(f32::from_u32(ticks) * factor).max(1)
@@ -331,7 +331,7 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         ControlMemory::starting_with(ticks_of_seconds(S::from_f64(FIRST_RADIANS) / scale.angular_frequency))
     }
 
-    #[inline(always)]
+    #[inline]
     fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S {
         let radians = seconds_of_ticks::<S>(ticks) * scale.angular_frequency;
         (S::from_f64(NEWTON_PART) * self.tolerance * radians).max(S::EPSILON * S::from_f64(NEWTON_ROUNDINGS))

@@ -55,7 +55,7 @@ pub(super) struct Path<S> {
 }
 
 impl<S: Scalar> Path<S> {
-    #[inline(always)]
+    #[inline]
     pub(super) fn new<const N: usize, const P: usize>(
         start: &Point<S, N, P>,
         change: Change<S>,
@@ -70,13 +70,13 @@ impl<S: Scalar> Path<S> {
     }
 
     /// Of a fixed position.
-    #[inline(always)]
+    #[inline]
     pub(super) fn fixed() -> Self {
         Self { change: Change::NONE, coefficients: [S::ZERO; 4], per_step: S::ZERO }
     }
 
     /// Displacement from the start in m, and velocity in m/s.
-    #[inline(always)]
+    #[inline]
     fn at(&self, theta: f64) -> [S; 2] {
         let [linear, quadratic, third, fourth] = self.coefficients;
         let number = S::from_f64;
@@ -153,7 +153,7 @@ impl<S: Scalar> Stages<S> {
     }
 
     /// Solves the circuit equations of the stages.
-    #[inline(always)]
+    #[inline]
     fn solve(&mut self, equations: &[CircuitEquation<S>; 3], step: S) {
         self.increments = solve(equations, step);
         self.changes = STAGES.map(|weights| weighted(&weights, &self.increments));

@@ -149,7 +149,7 @@ impl<S: Scalar, C> Parameters<S, C> {
     }
 
     /// The beam with a free end.
-    #[inline(always)]
+    #[inline]
     pub(super) fn cantilever(&self, section: &Section<S>) -> Cantilever<S> {
         Cantilever {
             length: self.beam_length,

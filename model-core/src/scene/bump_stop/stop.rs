@@ -62,12 +62,12 @@ pub struct Stop<S, C = ResidualFlexibility> {
 impl<S: Scalar, C: ContactLaw<S>> StopChoice<S> for Stop<S, C> {
     type Contact = C;
 
-    #[inline(always)]
+    #[inline]
     fn contact(&self) -> C {
         self.contact
     }
 
-    #[inline(always)]
+    #[inline]
     fn stop(&self) -> Option<Self> {
         Some(*self)
     }
@@ -93,7 +93,7 @@ impl<S: Scalar, C: ContactLaw<S>> Stop<S, C> {
     }
 
     /// Checks the stop for a beam of the length `beam_length` in m.
-    #[inline(always)]
+    #[inline]
     pub(super) fn check(&self, beam_length: S) -> Result<(), ParameterError<S>> {
         self.check_numbers()?;
         Bounds { lowest: S::from_f64(1e-4), highest: beam_length }.check("stop.position", self.position)?;

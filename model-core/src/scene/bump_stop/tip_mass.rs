@@ -36,7 +36,7 @@ impl<S: Scalar> TipMassChoice<S> for NoTipMass {
         beam.mode(number)
     }
 
-    #[inline(always)]
+    #[inline]
     fn residual_compliance(&self, beam: &Cantilever<S>, place: S, modes: u32) -> S {
         beam.residual_compliance(place, modes)
     }
@@ -58,7 +58,7 @@ impl<S: Scalar> TipMassChoice<S> for TipMass<S> {
         beam.mode_with(self, number)
     }
 
-    #[inline(always)]
+    #[inline]
     fn residual_compliance(&self, beam: &Cantilever<S>, place: S, modes: u32) -> S {
         beam.residual_compliance_with(self, place, modes)
     }

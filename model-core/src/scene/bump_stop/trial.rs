@@ -224,7 +224,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 
     /// Applies the outflow of a storage before the current. Returns the charge that has left the electrodes, and its
     /// rounding remainder, in C.
-    #[inline(always)]
+    #[inline]
     fn begin(
         &self,
         set: &StepSetOf<S, P, B, R>,
@@ -242,7 +242,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 
     /// Applies the current of a step to the circuit, after `moved` has left the electrodes. Returns the mean square of
     /// the voltage in V² if a bridge conducts.
-    #[inline(always)]
+    #[inline]
     fn conclude(
         &self,
         set: &StepSetOf<S, P, B, R>,

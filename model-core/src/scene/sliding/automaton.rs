@@ -90,7 +90,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// The boundary layer of the circuit at a state; `None` without a resistor.
-    #[inline(always)]
+    #[inline]
     pub(super) fn boundary_layer(&self, mode: Mode, state: &[S; STATES]) -> Option<BoundaryLayer<S>> {
         matches!(self.load.resistance(), Resistance::Finite(_)).then(|| self.layer(mode, *state))
     }
@@ -138,7 +138,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> Automaton<S, STATES, POWERS> f
         if <P::Friction as Friction<S>>::PRESENT { 2 } else { 1 }
     }
 
-    #[inline(always)]
+    #[inline]
     fn guard<E: Excitation<S>>(
         &self,
         mode: Mode,

@@ -34,19 +34,19 @@ pub(super) struct Slope<S> {
 
 impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     /// `1/2r` on the side `ahead`, `−1/2r` on the other. The sign is exact in every product, and the compiler finds it once a step.
-    #[inline(always)]
+    #[inline]
     pub(super) fn per_diameter(&self, ahead: bool) -> S {
         if ahead { self.per_diameter } else { -self.per_diameter }
     }
 
     /// `ξ = x/2r` on the side `ahead`, `−ξ` on the other.
-    #[inline(always)]
+    #[inline]
     pub(super) fn xi(&self, ahead: bool, displacement: S) -> S {
         self.per_diameter(ahead) * displacement
     }
 
     /// Parts of the slider's face on the patches, by the formula of the side `ahead`.
-    #[inline(always)]
+    #[inline]
     pub(super) fn overlap(&self, ahead: bool, displacement: S) -> DiscOverlap<S> {
         DiscOverlap::at(self.xi(ahead, displacement))
     }
@@ -57,7 +57,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// The circuit for a known overlap.
-    #[inline(always)]
+    #[inline]
     pub(super) fn circuit_of(&self, overlap: DiscOverlap<S>, charge: S) -> Circuit<S> {
         let per_active = S::ONE / overlap.active;
         let relaxed = self.surface.tribo_charge * overlap.inert;
@@ -68,7 +68,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// `ds1/dx` in 1/m, by the formula of the side `ahead`.
-    #[inline(always)]
+    #[inline]
     pub(super) fn active_by_displacement(&self, ahead: bool, displacement: S) -> S {
         self.per_diameter(ahead) * DiscOverlap::active_by_xi(self.xi(ahead, displacement))
     }
@@ -90,7 +90,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// `d²s1/dx²` in 1/m², by the formula of the side `ahead`.
-    #[inline(always)]
+    #[inline]
     pub(super) fn active_curvature(&self, ahead: bool, displacement: S) -> S {
         // d²s1/dξ² = (16/π²) ξ / −(ds1/dξ), with a pole at |ξ| = 1.
         let xi = self.xi(ahead, displacement);
@@ -100,7 +100,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
             * self.per_diameter
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn slope(&self, ahead: bool, displacement: S, circuit: &Circuit<S>) -> Slope<S> {
         let active = self.active_by_displacement(ahead, displacement);
         // V = (t s2 − q)/s1, and t s2 − q + t s1 = t − q.
@@ -110,19 +110,19 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// The rate of a charge that follows the displacement, `dq/dt = −t (ds1/dx) v`.
-    #[inline(always)]
+    #[inline]
     pub(super) fn following_current(&self, ahead: bool, displacement: S, velocity: S) -> S {
         -self.surface.tribo_charge * self.active_by_displacement(ahead, displacement) * velocity
     }
 
     /// Rate in 1/s at which the charge relaxes at a displacement; 0 without a resistor.
-    #[inline(always)]
+    #[inline]
     pub(super) fn relaxation(&self, circuit: &Circuit<S>) -> S {
         self.circuit_rate * circuit.per_active
     }
 
     /// Normal force per modal mass `(m g + F_e)/M` in m/s²: coefficients of 1, `Δq` and `Δq²`.
-    #[inline(always)]
+    #[inline]
     pub(super) fn normal(&self, circuit: &Circuit<S>) -> [S; 3] {
         let [acting, by_charge] = self.force_law.acting_charge(circuit.transferred, &self.surface);
         let per_charge = acting * circuit.per_active;
@@ -134,7 +134,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// Derivative of the normal force per modal mass by the displacement.
-    #[inline(always)]
+    #[inline]
     pub(super) fn normal_by_displacement(&self, circuit: &Circuit<S>, slope: &Slope<S>) -> S {
         let [acting, by_charge] = self.force_law.acting_charge(circuit.transferred, &self.surface);
         let per_charge = acting * circuit.per_active;
@@ -145,7 +145,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// The limit of static friction per modal mass in m/s², and its derivative by the charge.
-    #[inline(always)]
+    #[inline]
     pub(super) fn static_friction(&self, circuit: &Circuit<S>) -> [S; 2] {
         let coefficient = self.friction.static_coefficient(circuit.overlap.active);
         let [normal, by_charge, _] = self.normal(circuit);
@@ -153,14 +153,14 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// Lateral force of the field per modal mass, `d (ds1/dx) V (V + 2t)` in these units.
-    #[inline(always)]
+    #[inline]
     pub(super) fn field_force(&self, circuit: &Circuit<S>, active_by_displacement: S) -> S {
         let tribo = self.surface.tribo_charge;
         self.dielectric * active_by_displacement * circuit.voltage * (circuit.voltage + tribo + tribo)
     }
 
     /// Lateral force on the slider per modal mass, and its derivative by the charge.
-    #[inline(always)]
+    #[inline]
     pub(super) fn lateral(&self, ahead: bool, displacement: S, circuit: &Circuit<S>) -> [S; 2] {
         if !self.lateral_force.acts() {
             return [S::ZERO; 2];
@@ -172,7 +172,7 @@ impl<S: Scalar, P: Parts<S>> Sliding<S, P> {
     }
 
     /// Derivative of the lateral force per modal mass by the displacement.
-    #[inline(always)]
+    #[inline]
     pub(super) fn lateral_by_displacement(
         &self,
         ahead: bool,

@@ -305,7 +305,7 @@ impl<S: Scalar, P: Parts<S>> ElectricalPort<S> for Sliding<S, P> {
     }
 
     /// `V = (σ S2 − q) d / (ε0 ε_r S1)`. The calls are removed where nothing of their results is read.
-    #[inline(always)]
+    #[inline]
     fn port_voltage(&self, mode: Mode, displacement: S, charge: S) -> PortVoltage<S> {
         let ahead = mode.is_ahead(displacement);
         let [value, share] = self.port_value(ahead, displacement, charge);

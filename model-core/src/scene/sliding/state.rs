@@ -29,14 +29,14 @@ pub enum Mode {
 
 impl Mode {
     /// The sliding mode at `displacement`; at the corner itself, on the side of the motion.
-    #[inline(always)]
+    #[inline]
     pub(super) fn sliding<S: Scalar>(forward: bool, displacement: S) -> Self {
         let ahead = if displacement == S::ZERO { forward } else { displacement > S::ZERO };
         Self::Sliding { forward, ahead }
     }
 
     /// The side of the overlap's corner: in a slide that of the mode, since a step may end slightly beyond the corner.
-    #[inline(always)]
+    #[inline]
     pub(super) fn is_ahead<S: Scalar>(self, displacement: S) -> bool {
         match self {
             Self::Sliding { ahead, .. } => ahead,
