@@ -73,7 +73,7 @@ pub(super) fn advance<S: Scalar, C>(
 }
 
 /// Adds the effect of negative modal forces, `[mean, half the rise over the step]`.
-#[inline(always)]
+#[inline]
 pub(super) fn push<S: Scalar, C>(
     (modes, coefficients): (&[ModeStep<S>], &[C]),
     end: &mut [[S; 2]],

@@ -84,7 +84,7 @@ impl<S: Scalar, C> Parameters<S, C> {
     }
 
     // Inlined: firmware, which uses all modes, then compiles no code for fewer.
-    #[inline(always)]
+    #[inline]
     fn build_modes<const B: usize, const R: usize>(
         &self,
         modes: Option<[usize; 2]>,
@@ -181,7 +181,7 @@ impl<S: Scalar, C> Parameters<S, C> {
 }
 
 /// The numbers of beam and rod modes, at most those of the harvester's type.
-#[inline(always)]
+#[inline]
 fn mode_counts<S: Scalar>(
     modes: Option<[usize; 2]>,
     room: [usize; 2],

@@ -352,7 +352,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
 
     /// Contact force and gap at the end of a step that would reach a gap, with a first moment, without contact force,
     /// and is closed at the start or at that gap.
-    #[inline(always)]
+    #[inline]
     fn touch<const LINEAR: bool>(
         &self,
         set: &StepSetOf<S, P, B, R>,
