@@ -114,7 +114,8 @@ pub trait Automaton<S: Scalar, const N: usize, const P: usize> {
     /// The flow of `mode`.
     fn flow(&self, mode: Self::Mode) -> Self::Flow<'_>;
 
-    /// Whether the guards at the end of a step serve the next one: where a guard costs more than its copy.
+    /// Whether the guards at the end of a step serve the next one, the first five of them: where a guard costs more than its copy.
+    /// [`Automaton::each_guard`] then gives every guard below [`Automaton::guards`].
     const KEEPS_GUARDS: bool = false;
 
     /// Number of guards of `mode`, at most 32; 0 by default.

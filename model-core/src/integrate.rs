@@ -144,7 +144,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     /// Circuit and force at a displacement in m from `start` and a velocity in m/s.
     #[inline]
     fn stage(&self, _start: &Point<S, N, P>, _displacement: S, _velocity: S) -> Stage<S> {
-        Stage { circuit: None, force: [S::ZERO; 3], power: None }
+        Stage { circuit: None, force: [S::ZERO; 3] }
     }
 
     /// Whether the circuit equation of a stage holds at any change of the circuit's state. If not,
@@ -223,8 +223,6 @@ pub struct Stage<S> {
     pub circuit: Option<CircuitEquation<S>>,
     /// The force per mass in m/s² besides the linear part and the base acceleration: coefficients of 1, `Δy` and `Δy²`.
     pub force: [S; 3],
-    /// The first power in W, where [`System::correct_energies`] knows its energy: alone, it only states the error of the step.
-    pub power: Option<S>,
 }
 
 impl<S: Scalar> Stage<S> {

@@ -85,7 +85,8 @@ where
                 None
             }
             Task::Sleep => {
-                if second.saturating_sub(saved) >= parts.image_every {
+                // Without a wait the evaluation of a burst goes on, whose result an image would not have.
+                if wake.again_in > 0 && second.saturating_sub(saved) >= parts.image_every {
                     saved = second;
                     // A failure of the flash leaves the image before it.
                     let _ = parts.images.store_item(&mut [0; ROOM], &KEY, &Image(node, &state)).await;

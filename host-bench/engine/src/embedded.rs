@@ -37,7 +37,7 @@ use harvester_scene::method::{Failure, Math, Options, Precision};
 use harvester_scene::outcome::Outcome;
 use harvester_scene::scene_file::Scene;
 
-pub use auto::{default_accuracy, tolerance as tolerance_for};
+pub use auto::default_accuracy;
 pub use bump_stop::{
     ContactInterval, DEFAULT_LONG_STEP_S, DEFAULT_SHORT_STEP_S, DeflectedShape, ShapePoint,
     chattering_phases, contact_intervals, deflected_shapes, parameters as bump_stop_parameters,

@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &KeysArguments) -> Result<(), Failure> {
     let scene = arguments.scene.as_deref();
     match arguments.format {
         KeysFormat::Table => print(&keys::text(scene)),
-        KeysFormat::Csv => print(&Rows::of(&keys::rows(scene)).csv().replace('`', "")),
+        KeysFormat::Csv => print(&Rows::of(&keys::rows(scene)).csv().replace('`', "").replace(",'-", ",-")),
         KeysFormat::Json => print(&json_text(&keys::rows(scene))?),
         KeysFormat::Schema if scene.is_some() => {
             Err(Failure::Input("--format schema: is of all scenes, must be without SCENE".to_owned()))

@@ -451,6 +451,7 @@ fn due_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     memo: &mut Memo<S>,
 ) -> Option<usize> {
     let (input, mut due) = (InputAt::new(excitation, state.clock), None);
+    *memo = [None; 5];
     automaton.each_guard(state.mode, state.armed, &state.point, &input, |index, guard| {
         if let Some(entry) = memo.get_mut(index).filter(|_| A::KEEPS_GUARDS) {
             *entry = Some(guard);

@@ -240,7 +240,7 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
             }
             None => ([0, ticks].map(|offset| input.at(offset)), attempt.settled_rate(system)),
         };
-        end.powers = stages.end_powers(system, &end, last);
+        end.powers = system.powers(&end.state, &end.derivative, last);
         let (energies, energy_error) = stages.energies(system, attempt, &end, settled, first);
         let sum = end.state.iter().chain(&end.derivative).fold(error + energy_error, |sum, &term| sum + term);
         if !sum.is_finite() {

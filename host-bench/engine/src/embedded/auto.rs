@@ -48,7 +48,7 @@ pub fn default_accuracy(scene: &Scene, precision: Precision) -> f64 {
 }
 
 /// The tolerance of exponential Radau for a relative error of the mean power of `accuracy`.
-pub fn tolerance(scene: &Scene, accuracy: f64) -> f64 {
+pub(super) fn tolerance(scene: &Scene, accuracy: f64) -> f64 {
     let root = accuracy.sqrt();
     let tolerance = match (scene.load, scene.contact_separation()) {
         (Load::Resistor { resistance_ohm }, Ok(model)) => {

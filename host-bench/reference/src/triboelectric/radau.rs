@@ -226,7 +226,7 @@ impl<'a, H: Harvester> Integrator<'a, H> {
                 self.polish([from, length], &mut nodes);
                 let (integrals, error) = self.integrals([from, length], &nodes, sums);
                 shorter = 0.9 * length / error.max(1e-8).powf(0.25);
-                if error <= 1.0 {
+                if error <= 1.0 && nodes.iter().flatten().chain(&integrals).all(|value| value.is_finite()) {
                     effort.steps += 1;
                     let next = method.h().min(shorter);
                     return Ok(Arc { from, to, end: nodes[3], differences: divided(nodes), integrals, next });

@@ -122,7 +122,10 @@ impl<'a> Section<'a> {
         if quantity != other || end.is_empty() || own.eq_ignore_ascii_case(end) || ["", "1"].contains(&unit) {
             return format!(", probably {key} misspelt");
         }
-        let value = self.number_of(key, &format!("{}{end}", node.content));
+        // The end may be a prefix by accident: `duration_m` for minutes.
+        let is_unit = end.ends_with(unit) || unit.ends_with(end);
+        let value =
+            if is_unit { self.number_of(key, &format!("{}{end}", node.content)) } else { Err(String::new()) };
         let short = |value| format!(": {}", Short(format!("{value:.9e}").parse().unwrap_or(value)));
         let value = value.map_or_else(|_| String::new(), short);
         format!(", probably {key} misspelt, in {unit} and not in {end}{value}")

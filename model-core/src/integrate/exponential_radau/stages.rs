@@ -108,8 +108,6 @@ pub(super) struct Stages<S> {
     pub(super) circuit_error: S,
     /// Force per mass in m/s².
     pub(super) forces: [S; 3],
-    /// The first power in W where the stages state it.
-    pub(super) known: [Option<S>; 3],
 }
 
 impl<S: Scalar> Stages<S> {
@@ -137,7 +135,6 @@ impl<S: Scalar> Stages<S> {
             defect: S::ZERO,
             circuit_error: S::ZERO,
             forces: [S::ZERO; 3],
-            known: stages.map(|stage| stage.power),
         };
         if let [Some(one), Some(two), Some(three)] = stages.map(|stage| stage.circuit) {
             found.active = true;
@@ -207,22 +204,7 @@ impl<S: Scalar> Stages<S> {
             self.increments[2] = increment;
             self.changes[2] = before + weight * increment;
         }
-        self.known[2] = stage.power;
         stage.force_at(self.changes[2])
-    }
-
-    /// The powers at the end of the step, under an acceleration.
-    #[inline(always)]
-    pub(super) fn end_powers<const N: usize, const P: usize, Y: System<S, N, P>>(
-        &self,
-        system: &Y,
-        end: &Point<S, N, P>,
-        input: S,
-    ) -> [S; P] {
-        match self.known[2] {
-            Some(power) if P == 1 => [power; P],
-            _ => system.powers(&end.state, &end.derivative, input),
-        }
     }
 
     /// The powers at one of the first two stages; `derivative` is that at the end.
@@ -234,9 +216,6 @@ impl<S: Scalar> Stages<S> {
         derivative: &[S; N],
         stage: usize,
     ) -> [S; P] {
-        if let Some(power) = self.known[stage].filter(|_| P == 1) {
-            return [power; P];
-        }
         let Attempt { start, ref input, ticks, .. } = *attempt;
         let mut state = start.state;
         state[POSITION] += self.displacements[stage];

@@ -221,7 +221,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let [gap, _, charge] = start.state;
         let at = scene.circuit(gap + displacement, charge);
         let force = scene.force_law.expansion(&at, scene.tribo_charge);
-        Stage { circuit: self.equation(start, displacement), force, power: None }
+        Stage { circuit: self.equation(start, displacement), force }
     }
 
     /// Voltage and current change with the relative distance of the electrodes.

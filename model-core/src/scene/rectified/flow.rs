@@ -213,18 +213,15 @@ impl<S: Scalar, H: ElectricalPort<S>, R: StorageElement<S>, const POWERS: usize>
         own.state = [start.state[POSITION], start.state[VELOCITY], at.charge];
         let flow = scene.harvester.flow(self.mode.inner);
         let open = System::<S, 3, 0>::stage(&flow, &own, displacement, velocity);
-        let current = scene.harvester.coulombs() * at.rectified(self.mode.regime.sign(), velocity);
-        let conducts = self.mode.regime != BridgeRegime::Blocked;
-        let power = Some(if conducts { at.storage_voltage * current } else { S::ZERO });
         if !R::CHARGES {
-            return Stage { circuit: None, power, ..open };
+            return Stage { circuit: None, ..open };
         }
         let [constant, linear, quadratic] = open.force;
         let charge_by_base = -self.mode.regime.sign::<S>() * at.charge_by_voltage;
         let force = [constant, linear * charge_by_base, quadratic * charge_by_base * charge_by_base];
         let stiffness = scene.fall_by_voltage(self.mode, &at) * at.share;
         let circuit = CircuitEquation { inertia: S::ONE, stiffness, drive: -at.fall };
-        Stage { circuit: Some(circuit), force, power }
+        Stage { circuit: Some(circuit), force }
     }
 
     const LINEAR: bool = R::LINEAR;

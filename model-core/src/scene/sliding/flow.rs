@@ -252,12 +252,11 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
         let at = scene.circuit(ahead, position, charge);
         let force = self.force(ahead, position, &at);
         if !(self.circuit_rate > S::ZERO) {
-            return Stage { circuit: None, force, power: None };
+            return Stage { circuit: None, force };
         }
         let (before, reached) = (scene.overlap(ahead, from), &at.overlap);
         let rise = reached.inert - before.inert;
-        let circuit = self.equation_at([&before, reached], start.derivative[CHARGE], rise);
-        Stage { circuit, force, power: None }
+        Stage { circuit: self.equation_at([&before, reached], start.derivative[CHARGE], rise), force }
     }
 
     #[inline]

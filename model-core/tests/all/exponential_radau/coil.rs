@@ -58,7 +58,7 @@ impl System<f64, 3, 1> for &Coil {
         let [_, before, current] = start.state;
         let drive = l * start.derivative[2] + t * (velocity - before);
         let circuit = CircuitEquation { inertia: l, stiffness: r, drive };
-        Stage { circuit: Some(circuit), force: [-t * current / m, -t / m, 0.0], power: None }
+        Stage { circuit: Some(circuit), force: [-t * current / m, -t / m, 0.0] }
     }
 
     fn error_norm(&self, _state: &[f64; 3], change: &[f64; 3]) -> f64 {
