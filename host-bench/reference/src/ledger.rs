@@ -113,9 +113,23 @@ impl Ledger {
 /// Work of the integrator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Effort {
+    /// Steps that the motion is made of.
     pub(super) steps: u64,
+    /// Refused attempts, and steps that were taken again because of an event in them.
     pub(super) rejected: u64,
     pub(super) newton_iterations: u64,
+}
+
+impl Effort {
+    pub(super) fn attempts(&self) -> u64 {
+        self.steps + self.rejected
+    }
+
+    /// Counts the last accepted step as refused.
+    pub(super) fn refuse(&mut self) {
+        self.steps -= 1;
+        self.rejected += 1;
+    }
 }
 
 /// The sums at the end of a run.

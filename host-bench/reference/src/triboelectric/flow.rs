@@ -6,7 +6,7 @@
 //! The polynomial of a step has order 3, and its end order 5. So a step with an event in it is taken again: first up to shortly before the
 //! event, then a short one over it, whose polynomial is exact to rounding, and last one that ends at the event.
 
-use std::cell::RefCell;
+use std::cell::Cell;
 
 use super::bridge::{Switch, SwitchSearch, earlier};
 use super::harvester::{Dense, Guards, Harvester, Motion, Sample, Scales, SceneEvent};
@@ -18,7 +18,7 @@ use harvester_scene::root::far_side;
 /// Length of the step over an event, as a part of the step in which it was found.
 const FINE: f64 = 2e-3;
 
-/// Steps within which a flow must make progress.
+/// Accepted and refused steps within which a flow must make progress.
 const STALL: u64 = 100_000;
 
 /// One accepted step, or the part of it before an event.
@@ -33,7 +33,7 @@ pub(crate) struct Step<'a> {
     pub(crate) motion: &'a Dense<'a, Motion>,
     /// Rate in V/s of the voltage where it is a state, by the polynomial.
     pub(crate) voltage_rate: &'a Dense<'a, f64>,
-    /// Motion at a local time between the ends, by a step to it.
+    /// Motion at a local time between the ends, by a step to it, which is not counted. The flow ends if that step fails.
     pub(crate) exact: &'a Dense<'a, Motion>,
     /// Integrals over the step.
     pub(crate) integrals: Integrals,
@@ -80,13 +80,13 @@ impl<'a, H: Harvester> Flow<'a, H> {
         // The base keeps its polynomials of two such spans; without a frequency it has none.
         let smooth = 1.0 / (8.0 * self.base.highest_frequency());
         let (mut next, mut longest, mut fine) = (0.0, smooth, 0.0);
-        let mut checked = (effort.steps, 0.0);
+        let mut checked = (effort.attempts(), 0.0);
         loop {
-            if effort.steps > checked.0 + STALL {
+            if effort.attempts() > checked.0 + STALL {
                 if last.0 - checked.1 < H::LEAST_PROGRESS * self.scales.time {
                     return Err(Reason(format!("stalled: {STALL} steps without progress")));
                 }
-                checked = (effort.steps, last.0);
+                checked = (effort.attempts(), last.0);
             }
             let arc = integrator.step(last, [next, longest.min(span - last.0)], &sums, effort)?;
             let motion = |t: f64| self.start.with(&arc.at(t)[0]);
@@ -97,20 +97,27 @@ impl<'a, H: Harvester> Flow<'a, H> {
             {
                 fine = if fine == 0.0 { FINE * length } else { fine };
                 longest = fine.max(at - arc.from - 0.5 * fine).min(smooth);
+                effort.refuse();
                 continue;
             }
             let (end, integrals) = match event {
                 Some((at, _)) => integrator.go(last, at, &sums, effort)?,
                 None => ((arc.to, self.start.with(&arc.end)), arc.integrals),
             };
-            let work = RefCell::new(&mut *effort);
-            let exact = |t: f64| {
-                let there = integrator.go(last, t, &sums, &mut work.borrow_mut());
-                there.map_or_else(|_| motion(t), |((_, there), _)| there)
+            let failure = Cell::new(None);
+            let exact = |t: f64| match integrator.go(last, t, &sums, &mut Effort::default()) {
+                Ok(((_, there), _)) => there,
+                Err(reason) => {
+                    failure.set(Some(reason));
+                    motion(t)
+                }
             };
             let voltage_rate = |t: f64| arc.at(t)[1][2];
             let (motion, voltage_rate, exact) = (&motion, &voltage_rate, &exact);
             watch(&Step { start: *last, end, turns, motion, voltage_rate, exact, integrals });
+            if let Some(reason) = failure.take() {
+                return Err(reason);
+            }
             add(&mut sums, 1.0, &integrals);
             (search, *last, next, longest) = (searched, end, arc.next, smooth);
             if !self.harvester.is_in_range(&end.1) {
