@@ -27,12 +27,13 @@ use model_core::node::{IncomeOfTime, Outage, Progress, Tier, Wake};
 
 pub use self::compared::{Errors, Extent, Name, Row, STORAGES, Setup, Storage, Totals, rows};
 pub(crate) use self::compared::{PARTS, ROWS, timelines};
-pub use self::harvester::{Deviation, Kind, Vibration, tone};
+pub use self::harvester::{Kind, tone};
 pub use self::oracle::Oracle;
 pub use self::plant::{Hour, Parts, Run, World};
 pub use self::settings::{OneNode, OneState, Settings};
 pub use self::timeline::{Course, Timeline, VibrationKind};
 pub use self::years::{Quarter, Stress, years};
+pub use crate::embedded::{Deviation, Vibration};
 pub use crate::stability::random::Source;
 
 /// A node as its plant sees it: when it reads, and when it acts.

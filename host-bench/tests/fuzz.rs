@@ -35,7 +35,7 @@ const MOST_SECONDS: [f64; 2] = [2.0, 60.0];
 /// Most resident memory of the process, and of each that it starts, in kB.
 const MOST_MEMORY: u64 = 1_000_000;
 /// Most CPU seconds of all targets with their usual number of inputs.
-const MOST_OF_ALL: f64 = 60.0;
+const MOST_OF_ALL: f64 = 25.0;
 
 /// A target whose input runs: its name, the seed of the input and its start.
 type Running = (&'static str, u64, Instant);

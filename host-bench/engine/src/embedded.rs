@@ -21,6 +21,7 @@ mod contact_separation;
 mod continuation;
 mod excitation;
 mod limits;
+mod minutes;
 mod report;
 mod run;
 mod shooting;
@@ -47,6 +48,7 @@ pub use contact_separation::parameters as contact_separation_parameters;
 pub use continuation::{
     AmplitudeContinuation, Motion, MotionKind, fingerprint, natural_frequency_hz, with_continuation,
 };
+pub use minutes::{Deviation, LINES, Vibration, energies_by_minute};
 pub use shooting::Memory;
 pub use sliding::parameters as sliding_parameters;
 pub use store_in_loop::{Midnight, StoreInLoop, Stretch};

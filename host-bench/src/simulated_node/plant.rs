@@ -3,9 +3,10 @@
 use harvester_scene::market::Reservoir;
 use model_core::node::{IncomeOfTime, Progress, Task, VoltageParameters, Wake};
 
-use super::harvester::{Vibration, acceleration};
+use super::harvester::acceleration;
 use super::settings::{CELL, CONVERTER_NOISE, Settings, UNIT, begin_v};
 use super::{Source, Strategy};
+use crate::embedded::Vibration;
 
 /// Noise of the sensor in counts RMS, and gravity in m/s², which is on its axis.
 pub(super) const NOISE_COUNTS: f64 = 3.0;

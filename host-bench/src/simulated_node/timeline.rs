@@ -3,8 +3,9 @@
 use model_core::excitation::{AnyExcitation, Burst, Random, Sine, SpectralDensity, Tones};
 
 use super::Source;
-use super::harvester::{Deviation, Kind, LINES, Vibration, tone};
+use super::harvester::{Kind, tone};
 use super::plant::GRAVITY;
+use crate::embedded::{Deviation, LINES, Vibration};
 use crate::method::Failure;
 
 /// What shakes the harvester in an hour.

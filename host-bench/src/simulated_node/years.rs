@@ -12,10 +12,11 @@ use model_core::node::{Board, Fault, Outage, Runner, Tier};
 use model_core::scalar::{Mathematics, Polynomial};
 
 use super::compared::Storage;
-use super::harvester::{Deviation, Kind, tone};
+use super::harvester::{Kind, tone};
 use super::plant::{GRAVITY, NOISE_COUNTS};
 use super::settings::{CELL, CONVERTER_NOISE, Settings, UNIT};
 use super::{Source, Tiered};
+use crate::embedded::Deviation;
 use crate::method::Failure;
 use crate::run::each;
 use quarter::Hours;

@@ -6,7 +6,8 @@ use super::tool::{NODE, SHIPPED, accepted, file, folder, place};
 
 const SHORT: [&str; 4] = ["--set", "run.duration_s=0.3", "--set", "run.settle_s=0.2"];
 /// The smallest map.
-const SMALL_MAP: [&str; 6] = ["--amplitude", "0.5:1", "--frequency", "19:20", "--places", "30"];
+const SMALL_MAP: [&str; 8] =
+    ["--amplitude", "0.5:0.55", "--frequency", "10:10.5", "--places", "30", "--error", "0.5"];
 
 #[cfg(unix)]
 #[test]
@@ -23,7 +24,7 @@ fn a_name_of_a_scene_puts_no_line_into_a_generated_module() {
         let scene = file(&folder, name, &shipped);
         let needs = [&["needs", &scene, "--emit", output], &SHORT[..]].concat();
         let map = [&["map", &scene, "--output", output], &SMALL_MAP[..]].concat();
-        // A map takes half a minute; quoting is the same for all names.
+        // A map takes seconds; quoting is the same for all names.
         let is_mapped = name.contains("injected");
         for arguments in [Some(needs), is_mapped.then_some(map)].into_iter().flatten() {
             accepted(&arguments);

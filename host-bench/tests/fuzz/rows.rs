@@ -104,7 +104,7 @@ fn rows_of_a_sweep() {
     let rows = &rows[..=rows.rfind('\n').expect("whole lines")];
     assert!(rows.lines().count() >= 4, "{rows}");
     let resumed = Resumed { folder: &folder, rows: output.join(ROWS), arguments: &arguments, table: &table };
-    fuzz("rows of a sweep", 80, |bytes| resumed.is_taken(&change(bytes, rows), &found));
+    fuzz("rows of a sweep", 30, |bytes| resumed.is_taken(&change(bytes, rows), &found));
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn rows_of_stability() {
     let found = results(&table(&run(&folder, &arguments, "unlimited")));
     let rows = fs::read_to_string(&file).expect("the rows");
     let resumed = Resumed { folder: &folder, rows: file.clone(), arguments: &arguments, table: &table };
-    fuzz("rows of stability", 40, |bytes| {
+    fuzz("rows of stability", 15, |bytes| {
         let is_taken = resumed.is_taken(&change(bytes, &rows), &found);
         // What it leaves, it takes.
         let left = fs::read(&file).expect("it stays");

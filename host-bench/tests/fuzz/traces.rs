@@ -62,7 +62,7 @@ fn is_taken(
 #[test]
 fn tables() {
     let folder = folder("fuzz-tables");
-    fuzz("CSV", 4000, |bytes| {
+    fuzz("CSV", 1000, |bytes| {
         let (table, usual) = TABLES[below(bytes, TABLES.len())];
         let recording = change::table(bytes, table);
         is_taken(bytes, &folder, ("table.csv", usual), &recording)
@@ -72,7 +72,7 @@ fn tables() {
 #[test]
 fn waves() {
     let folder = folder("fuzz-waves");
-    fuzz("WAV", 4000, |bytes| {
+    fuzz("WAV", 1000, |bytes| {
         let mut recording = WAVES[below(bytes, WAVES.len())].to_vec();
         // Any data of integers is valid.
         let data = 44 + below(bytes, recording.len() - 44);

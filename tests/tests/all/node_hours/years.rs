@@ -35,13 +35,23 @@ fn each_quarter_of_four_hundred_days_is_inside_its_bounds() {
 
 #[test]
 fn a_resonance_that_has_moved_by_a_fiftieth_makes_the_map_doubtful_within_a_day() {
+    is_doubtful_where_the_resonance_has_moved(4);
+}
+
+#[test]
+#[ignore = "nightly: a minute"]
+fn in_forty_days_no_map_is_doubtful_without_a_reason() {
+    is_doubtful_where_the_resonance_has_moved(40);
+}
+
+/// Two harvesters: as designed for a day and for so many further days, and for a day with a resonance 2 % off.
+fn is_doubtful_where_the_resonance_has_moved(days_as_designed: usize) {
     for kind in [Kind::ContactSeparation, Kind::BumpStop] {
         let line = random_hours(kind, true, 12, 70 + kind as u64);
         let settings =
             Settings { gain: 0.1, check: 3600, ..Settings::new(kind, part("nrf52832"), 10e-3, 0.01) };
         let settings = settings.scaled(&line.minutes);
-        // A day as designed, and the days after it.
-        for (resonance, days) in [(1.0, 40), (1.02, 1), (0.98, 1)] {
+        for (resonance, days) in [(1.0, days_as_designed), (1.02, 1), (0.98, 1)] {
             let moved = Deviation { resonance, ..Deviation::NONE };
             let moved = kind.minutes(&line.vibration, &|_| moved).expect("steps");
             let (mut minutes, mut vibration) = (Vec::new(), Vec::new());
