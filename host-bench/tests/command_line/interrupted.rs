@@ -136,7 +136,7 @@ fn a_command_that_is_killed_at_each_of_its_writes_ends_as_one_that_is_not() {
     let over = ["sweep", SHIPPED, "--over", "load.resistance_ohm=1e6:1e8:4:log", "--no-accuracy"];
     let commands: [(&str, Vec<&str>, &str); 2] = [
         ("sweep", [&over[..], &SHORT, &["--format", "csv", "--output", "."]].concat(), "sweep.csv"),
-        ("stability", vec!["stability", "--random", "3", "--seed", "3", "--output", "rows.csv"], "rows.csv"),
+        ("stability", vec!["stability", "--random", "5", "--seed", "3", "--output", "rows.csv"], "rows.csv"),
     ];
     for (name, arguments, table) in commands {
         let [whole, killed] = ["whole", "killed"].map(|kind| folder(&format!("{kind}-{name}")));
