@@ -28,7 +28,7 @@ pub trait Workload {
 pub type Visit<'a> = &'a mut dyn FnMut(&mut dyn Workload);
 
 /// Gives a workload to `visit`; `None` if the workload was refused.
-#[inline(always)]
+#[inline]
 pub(crate) fn show<W: Workload>(visit: Visit<'_>, mut workload: Option<W>) -> Option<()> {
     // By reference: a move would put a second copy of the workload on the stack.
     visit(workload.as_mut()?);

@@ -62,7 +62,7 @@ impl Model {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn circuit(&self, y: &Vector<f32, STATES>) -> Circuit {
         let (gap, charge) = (self.gap * y[0], self.tribo * y[2]);
         let distance = gap + self.dielectric;
@@ -74,7 +74,7 @@ impl Model {
     }
 
     /// Phase of the base at a time, in units of 2⁻⁶⁴ turns.
-    #[inline(always)]
+    #[inline]
     fn phase(&self, time: f32) -> u64 {
         let turns = self.plan.frequency * time;
         let fraction = turns - turns as u32 as f32;
@@ -82,19 +82,19 @@ impl Model {
     }
 
     /// Base acceleration, by the polynomial that model-core uses too.
-    #[inline(always)]
+    #[inline]
     fn base(&self, time: f32) -> f32 {
         self.plan.amplitude * <Polynomial as Mathematics<f32>>::sine_of_turns(self.phase(time))
     }
 
     /// Its derivative by time.
-    #[inline(always)]
+    #[inline]
     fn jerk(&self, time: f32) -> f32 {
         let cosine = <Polynomial as Mathematics<f32>>::cosine_of_turns(self.phase(time));
         core::f32::consts::TAU * self.plan.frequency * self.plan.amplitude * cosine
     }
 
-    #[inline(always)]
+    #[inline]
     fn flow(&self, y: &Vector<f32, STATES>) -> Vector<f32, STATES> {
         let circuit = self.circuit(y);
         let force = circuit.shared * circuit.shared + self.base(y[4]);
@@ -109,7 +109,7 @@ impl Model {
         ])
     }
 
-    #[inline(always)]
+    #[inline]
     fn jacobian(&self, y: &Vector<f32, STATES>) -> Matrix<f32, STATES, STATES> {
         let Circuit { sharing, shared, transferred, distance, charge_rate } = self.circuit(y);
         let voltage_by_gap = (self.tribo - transferred) * sharing;
