@@ -7,8 +7,8 @@ use crate::common::harvesters::{
 use crate::common::{Random, adaptive, finished, fixed};
 use model_core::energy::estimator::{Sample, SampleFormat, Settings};
 use model_core::energy::{Estimator, PowerMeter};
-use model_core::excitation::{Silence, Sine, Stream};
-use model_core::hybrid::{Driver, HybridState};
+use model_core::excitation::{Sine, Stream};
+use model_core::hybrid::Driver;
 use model_core::integrate::{Adaptive, RungeKutta4, TrBdf2};
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::scalar::Scalar;
@@ -317,45 +317,6 @@ fn states_meters_and_streams_have_images_of_their_own() {
     stream.push(-1.0).expect("finite");
     stream.restart(5, 2.0).expect("finite");
     round_trip(&stream);
-}
-
-/// A scene of four states, as a storage adds one: only its modes need bytes of their own.
-#[derive(Debug, Clone, Copy)]
-struct Four;
-
-impl crate::common::Problem<f64, 4> for Four {
-    type Mode = bool;
-
-    fn number(&self, mode: bool) -> u8 {
-        u8::from(mode)
-    }
-
-    fn rate(&self, _mode: bool, y: &[f64; 4], _input: f64) -> [f64; 4] {
-        [y[1], -y[0], y[3], -4.0 * y[2]]
-    }
-
-    fn jacobian(&self, _mode: bool, _y: &[f64; 4], _input: f64) -> [[f64; 4]; 4] {
-        [[0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, -4.0, 0.0]]
-    }
-
-    fn angular_frequency(&self) -> f64 {
-        2.0
-    }
-
-    fn sizes(&self, _mode: bool, _y: &[f64; 4]) -> [f64; 4] {
-        [1.0; 4]
-    }
-}
-
-#[test]
-fn a_state_of_any_size_has_an_image() {
-    let machine = crate::common::Machine(Four);
-    let control = adaptive(1e-3);
-    let mut state: HybridState<f64, bool, 4, 1> =
-        HybridState::start(&machine, true, [1.0, 0.0, 0.5, 0.0], &Silence, &control);
-    let until = model_core::clock::Instant::from_whole_seconds(3);
-    Driver::new(TrBdf2, control).advance(&machine, &mut state, &Silence, until, EVER, &mut ()).expect("runs");
-    round_trip(&state);
 }
 
 #[test]
