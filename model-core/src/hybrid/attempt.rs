@@ -18,7 +18,33 @@ pub(super) const fn bit(index: usize) -> u32 {
 pub(super) const MOST_ATTEMPTS: u32 = 40;
 
 /// Guards at a point by their numbers, if the automaton [keeps](Automaton::KEEPS_GUARDS) them.
-pub(super) type Memo<S> = [Option<Guard<S>>; 5];
+#[derive(Clone, Copy)]
+pub(super) struct Memo<S>([Option<Guard<S>>; 5]);
+
+impl<S: Scalar> Memo<S> {
+    /// Without guards.
+    pub(super) const EMPTY: Self = Self([None; 5]);
+
+    /// Takes all guards at a point. Returns the number of the first one for which `test` holds.
+    #[inline]
+    pub(super) fn take<A: Automaton<S, N, P>, E: Excitation<S>, const N: usize, const P: usize>(
+        &mut self,
+        automaton: &A,
+        (mode, armed): (A::Mode, bool),
+        point: &Point<S, N, P>,
+        input: &InputAt<'_, E>,
+        test: impl Fn(&Guard<S>) -> bool,
+    ) -> Option<usize> {
+        let mut first = None;
+        automaton.each_guard(mode, armed, point, input, |index, guard| {
+            if let Some(entry) = self.0.get_mut(index).filter(|_| A::KEEPS_GUARDS) {
+                *entry = Some(guard);
+            }
+            first = first.or(test(&guard).then_some(index));
+        });
+        first
+    }
+}
 
 /// The result of a search.
 pub(super) struct Located<S, const N: usize, const P: usize> {
@@ -105,21 +131,15 @@ where
     /// Guard number `index` at the start of the step.
     #[inline]
     pub(super) fn start_guard(&self, index: usize) -> Guard<S> {
-        let memo = if A::KEEPS_GUARDS { self.memo.get(index).copied().flatten() } else { None };
+        let memo = if A::KEEPS_GUARDS { self.memo.0.get(index).copied().flatten() } else { None };
         memo.unwrap_or_else(|| self.guard(index, self.start, 0))
     }
 
     /// A guard below zero at the end of a step; all of them are put into `memo`.
     #[inline]
     pub(super) fn fallen(&self, end: &Point<S, N, P>, ticks: u32, memo: &mut Memo<S>) -> Option<usize> {
-        let mut fallen = None;
-        self.each_guard(end, ticks, |index, guard| {
-            if let Some(entry) = memo.get_mut(index).filter(|_| A::KEEPS_GUARDS) {
-                *entry = Some(guard);
-            }
-            fallen = fallen.or((guard.value < S::ZERO).then_some(index));
-        });
-        fallen
+        let (at, input) = ((self.mode, self.armed), InputAt::new(self.excitation, self.clock.after(ticks)));
+        memo.take(self.automaton, at, end, &input, |guard| guard.value < S::ZERO)
     }
 
     /// The guard that falls first in the step to `end`, among those without a bit in `done`, and the

@@ -3,7 +3,7 @@
 use super::attempt::{Attempts, MOST_ATTEMPTS, MOST_GUARDS, Memo, bit};
 use super::outcome::{Advance, Ended, StepError, StepFailure, Work};
 use super::search::Search;
-use super::{Automaton, HybridState, InputAt};
+use super::{Automaton, Guard, HybridState, InputAt};
 use crate::clock::{Instant, seconds_of_ticks, ticks_of_seconds};
 use crate::excitation::Excitation;
 use crate::integrate::control_memory::ControlMemory;
@@ -97,7 +97,7 @@ impl<M, C> Driver<M, C> {
         // An event can be due at the first step of a call and after a jump. After an ordinary step the search
         // for a falling guard has excluded it.
         let mut may_be_due = true;
-        let mut memo = [None; 5];
+        let mut memo = Memo::EMPTY;
         let mut longest = self.longest_in(automaton, state, excitation, &scale);
         while state.clock < until {
             if work.attempts() > most_attempts {
@@ -144,7 +144,7 @@ impl<M, C> Driver<M, C> {
                     let arms = !state.armed && automaton.rearms(state.mode, &state.point);
                     state.armed |= arms;
                     if A::KEEPS_GUARDS {
-                        memo = if arms { [None; 5] } else { taken.memo };
+                        memo = if arms { Memo::EMPTY } else { taken.memo };
                     }
                     may_be_due = taken.searched;
                     taken.event
@@ -222,7 +222,7 @@ impl<M, C> Driver<M, C> {
             Ok(None)
         };
         let most = state.control.stretched(planned).min(limit);
-        let (mut search, mut memo) = (Search::within([planned, most]), [None; 5]);
+        let (mut search, mut memo) = (Search::within([planned, most]), Memo::EMPTY);
         let (mut taken, mut control) = loop {
             let attempted = if M::PREDICTS {
                 attempts.attempt_to_event(&mut search)
@@ -450,13 +450,7 @@ fn due_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     excitation: &impl Excitation<S>,
     memo: &mut Memo<S>,
 ) -> Option<usize> {
-    let (input, mut due) = (InputAt::new(excitation, state.clock), None);
-    *memo = [None; 5];
-    automaton.each_guard(state.mode, state.armed, &state.point, &input, |index, guard| {
-        if let Some(entry) = memo.get_mut(index).filter(|_| A::KEEPS_GUARDS) {
-            *entry = Some(guard);
-        }
-        due = due.or(guard.is_due().then_some(index));
-    });
-    due
+    let input = InputAt::new(excitation, state.clock);
+    *memo = Memo::EMPTY;
+    memo.take(automaton, (state.mode, state.armed), &state.point, &input, Guard::is_due)
 }

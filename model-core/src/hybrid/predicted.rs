@@ -51,7 +51,7 @@ where
         };
         if let Some(index) = fallen {
             // Another end follows, or a jump.
-            *memo = [None; 5];
+            *memo = Memo::EMPTY;
             // Copies, here and below: every attempt would otherwise be written to memory.
             match self.reaches(search, index, &{ trial.end }) {
                 Reached::Clear if search.event.is_some() => {}
