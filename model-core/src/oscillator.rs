@@ -5,13 +5,14 @@
 //! R_n(h) = ∫₀ʰ S(h − s) sⁿ/n! ds
 //! ```
 //!
-//! With `a = w h²` and `b = d h`, the integrals `R2` and `R3` are power series in `a` and `b`. The others follow
-//! without cancellation from the equation of motion, `R_n'' + d R_n' + w R_n = hⁿ/n!` (derived here):
+//! From the equation of motion, `R_n'' + d R_n' + w R_n = hⁿ/n!` with `R_n' = R_{n−1}` (derived here):
 //!
 //! ```text
-//! R1 = h³/6 − d R2 − w R3      R0 = h²/2 − d R1 − w R2
-//! S  = h − d R0 − w R1         S' = 1 − d S − w R0
+//! R_{n−2} = hⁿ/n! − d R_{n−1} − w R_n          R_{−1} = S          R_{−2} = S'
 //! ```
+//!
+//! Downward the errors shrink: the highest two are the first terms of their power series. The responses to a cosine and a
+//! sine are alternating sums of all `R_n`.
 
 use crate::scalar::Scalar;
 
@@ -52,8 +53,8 @@ pub struct Kernel<S> {
     pub(crate) impulse: S,
     /// `S' − 1`.
     pub(crate) impulse_rate: S,
-    /// `R0/h²`, `R1/h³`, `R2/h⁴` and `R3/h⁵`.
-    pub(crate) ramps: [S; 4],
+    /// `R_n/h^(n+2)`: in single precision those up to 9, the others are zero.
+    pub(crate) ramps: [S; 16],
 }
 
 /// The reciprocals of the factorials `k!`.
@@ -67,22 +68,22 @@ const RECIPROCAL_FACTORIALS: [f64; 18] = {
     values
 };
 
-/// Runs the body for each of the terms of a series that is above a rounding, unrolled: a coefficient is then a
-/// constant. The terms in brackets are for double precision only.
-macro_rules! terms {
-    ($scalar:ty, $term:ident: $($single:literal)+ [$($double:literal)+] $body:block) => {
-        $({ const $term: usize = $single; $body })+
-        // Constant in each precision: the other branch is not compiled.
-        if <$scalar>::EPSILON < <$scalar>::from_f64(1e-10) {
-            $({ const $term: usize = $double; $body })+
-        }
-    };
-}
-
 /// `1/k!`.
 macro_rules! reciprocal_factorial {
     ($k:expr) => {
         S::from_f64(const { RECIPROCAL_FACTORIALS[$k] })
+    };
+}
+
+/// Runs the body for each `n` of which a term is above a rounding, unrolled: a coefficient is then a constant. The numbers in
+/// brackets are for double precision only.
+macro_rules! downward {
+    ($scalar:ty, $n:ident: [$($double:literal)+] $($single:literal)+ $body:block) => {
+        // Constant in each precision: the other branch is not compiled.
+        if <$scalar>::EPSILON < <$scalar>::from_f64(1e-10) {
+            $({ const $n: usize = $double; $body })+
+        }
+        $({ const $n: usize = $single; $body })+
     };
 }
 
@@ -93,20 +94,20 @@ impl<S: Scalar> Kernel<S> {
     pub fn new(oscillator: &Oscillator<S>, step: S) -> Self {
         let stiffness = oscillator.stiffness * step * step;
         let damping = oscillator.damping * step;
-        // Derivatives of S at 0, times powers of the step.
-        let (mut present, mut next) = (S::ONE, -damping);
-        let (mut second, mut third) = (S::ZERO, S::ZERO);
-        terms!(S, TERM: 1 2 3 4 5 6 7 [8 9 10 11 12 13] {
-            second += present * reciprocal_factorial!(TERM + 3);
-            third += present * reciprocal_factorial!(TERM + 4);
-            (present, next) = (next, -damping * next - stiffness * present);
+        let mut ramps = [S::ZERO; 16];
+        let is_double = S::EPSILON < S::from_f64(1e-10);
+        if is_double {
+            (ramps[14], ramps[15]) = (reciprocal_factorial!(16), reciprocal_factorial!(17));
+        } else {
+            (ramps[8], ramps[9]) = (reciprocal_factorial!(10), reciprocal_factorial!(11));
+        }
+        downward!(S, N: [15 14 13 12 11 10] 9 8 7 6 5 4 3 2 {
+            ramps[N - 2] = reciprocal_factorial!(N) - damping * ramps[N - 1] - stiffness * ramps[N];
         });
-        let _beyond_the_last_term = (present, next);
-        let first = S::from_f64(1.0 / 6.0) - damping * second - stiffness * third;
-        let zeroth = S::from_f64(0.5) - damping * first - stiffness * second;
+        let [zeroth, first, ..] = ramps;
         let impulse = S::ONE - damping * zeroth - stiffness * first;
         let impulse_rate = -damping * impulse - stiffness * zeroth;
-        Self { step, stiffness, damping, impulse, impulse_rate, ramps: [zeroth, first, second, third] }
+        Self { step, stiffness, damping, impulse, impulse_rate, ramps }
     }
 
     /// The response to the acceleration `start + slope · τ`, in m/s² and m/s³.
@@ -127,7 +128,7 @@ impl<S: Scalar> Kernel<S> {
     #[must_use]
     #[inline]
     pub fn to_parabola(&self, [start, middle, end]: [S; 3]) -> Response<S> {
-        let Self { step, impulse, ramps: [zeroth, first, second, _], .. } = *self;
+        let Self { step, impulse, ramps: [zeroth, first, second, ..], .. } = *self;
         let (rise, bow) = (end - start, middle - start);
         // `start + linear θ + half curvature θ²`.
         let linear = S::from_f64(4.0) * bow - rise;
@@ -144,7 +145,7 @@ impl<S: Scalar> Kernel<S> {
     #[must_use]
     #[inline]
     pub fn to_cubic(&self, [start, linear, square, cube]: [S; 4]) -> Response<S> {
-        let Self { step, impulse, ramps: [zeroth, first, second, third], .. } = *self;
+        let Self { step, impulse, ramps: [zeroth, first, second, third, ..], .. } = *self;
         // `Rₙ` is the response to `τⁿ/n!`.
         let (square, cube) = (square + square, S::from_f64(6.0) * cube);
         Response {
@@ -159,25 +160,16 @@ impl<S: Scalar> Kernel<S> {
     #[must_use]
     #[inline(always)]
     pub fn to_sine(&self, start: S, rate: S, angular_frequency: S) -> Response<S> {
-        let Self { step, stiffness, damping, impulse, ramps: [zeroth, ..], .. } = *self;
+        let Self { step, stiffness, damping, impulse, ramps, .. } = *self;
         let turn = angular_frequency * step;
         let square = turn * turn;
-        // Derivatives at 0 of the response to sin(Ωτ)/Ω from the third on, times powers of the step.
-        let (mut present, mut next) = (S::ONE, -damping);
-        let mut drive = S::ONE;
-        let (mut by_rate, mut by_start) = (S::ZERO, S::ZERO);
-        terms!(S, TERM: 3 4 5 6 7 8 9 10 11 [12 13 14 15 16 17] {
-            by_rate += present * reciprocal_factorial!(TERM);
-            by_start += present * reciprocal_factorial!(TERM - 1);
-            // The derivatives of the drive are zero at every other order.
-            if TERM % 2 == 1 {
-                drive = -square * drive;
-                (present, next) = (next, drive - damping * next - stiffness * present);
-            } else {
-                (present, next) = (next, -damping * next - stiffness * present);
-            }
+        // Those of even and of odd number.
+        let [mut by_start, mut by_rate] = [S::ZERO; 2];
+        downward!(S, N: [15 14 13 12 11 10] 9 8 7 6 5 4 3 2 1 0 {
+            let sum = if N % 2 == 0 { &mut by_start } else { &mut by_rate };
+            *sum = ramps[N] - square * *sum;
         });
-        let _beyond_the_last_term = (present, next);
+        let zeroth = ramps[0];
         let by_start_rate = impulse - square * by_rate;
         let rise = step * rate;
         let cosine = S::ONE + stiffness * (by_start - zeroth) - square * (by_start + damping * by_rate);

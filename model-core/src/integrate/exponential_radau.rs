@@ -83,7 +83,7 @@ impl<S: Scalar> Prediction<S> {
     /// and by the rest.
     #[inline(always)]
     fn corrections(&self, forces: &[S; 3]) -> [Change<S>; 2] {
-        let Kernel { step, ramps: [zeroth, first, second, third], .. } = self.kernel;
+        let Kernel { step, ramps: [zeroth, first, second, third, ..], .. } = self.kernel;
         let defect = |stage: usize| forces[stage] - self.force - S::from_f64(NODES[stage]) * self.rise;
         let defects = [defect(0), defect(1), forces[2] - self.force - self.rise];
         let [linear, quadratic, cubic] =
