@@ -99,7 +99,7 @@ where
     }
 
     /// The end of a step of `ticks` as predicted.
-    #[inline(always)]
+    #[inline]
     pub(super) fn predicted_end(&self, ticks: u32, prediction: &M::Prediction) -> Point<S, N, P> {
         self.driver.method.predicted_end(&self.automaton.flow(self.mode), &self.of(ticks), prediction)
     }

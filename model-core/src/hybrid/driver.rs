@@ -93,12 +93,14 @@ impl<M, C> Driver<M, C> {
         let mut work = Work::default();
         let scale = automaton.error_scale().of_the_faster(excitation.angular_frequency());
         let most_attempts = budget.max(LEAST_BUDGET) - LEAST_BUDGET;
-        let longest_ticks = scale.ticks_of_radians(M::LONGEST_RADIANS);
+        let factor = if M::PREDICTS { self.control.lengthening() } else { S::ONE };
+        let lengthened = |ticks| if factor > S::ONE { (factor * S::from_u32(ticks)).to_u32() } else { ticks };
+        let longest_ticks = lengthened(scale.ticks_of_radians(M::LONGEST_RADIANS));
         // An event can be due at the first step of a call and after a jump. After an ordinary step the search
         // for a falling guard has excluded it.
         let mut may_be_due = true;
         let mut memo = Memo::EMPTY;
-        let mut longest = self.longest_in(automaton, state, excitation, &scale);
+        let mut longest = lengthened(self.longest_in(automaton, state, excitation, &scale));
         while state.clock < until {
             if work.attempts() > most_attempts {
                 return Ok(Advance { ended: Ended::BudgetSpent, work });
@@ -154,7 +156,7 @@ impl<M, C> Driver<M, C> {
                 self.take_jump(automaton, state, excitation, guard, observer)?;
                 work.events = work.events.wrapping_add(1);
                 may_be_due = true;
-                longest = self.longest_in(automaton, state, excitation, &scale);
+                longest = lengthened(self.longest_in(automaton, state, excitation, &scale));
                 if self.pause_at_events {
                     return Ok(Advance { ended: Ended::Event, work });
                 }

@@ -80,6 +80,12 @@ pub trait StepControl<S: Scalar> {
     /// [`System::error_norm`](super::System::error_norm): well below the error of the step.
     fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S;
 
+    /// The longest step of a method with an exact motion over that at a tight tolerance, at least 1.
+    #[inline]
+    fn lengthening(&self) -> S {
+        S::ONE
+    }
+
     /// Judges an attempted step and proposes the length of the next one.
     ///
     /// `rounding` returns [`System::rounding_energy`](super::System::rounding_energy) in joules. It is called
@@ -337,6 +343,17 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         (S::from_f64(NEWTON_PART) * self.tolerance * radians).max(S::EPSILON * S::from_f64(NEWTON_ROUNDINGS))
     }
 
+    /// Up to 1.5 at tolerances from 1/15 to 0.1, in double precision: the series of the motion are then off by 10⁻¹³, in single
+    /// precision by 10⁻⁶.
+    #[inline]
+    fn lengthening(&self) -> S {
+        if S::EPSILON > S::from_f64(1e-10) {
+            S::ONE
+        } else {
+            (S::from_f64(15.0) * self.tolerance).max(S::ONE)
+        }
+    }
+
     #[inline(always)]
     fn judge(
         &self,
@@ -390,6 +407,7 @@ impl<S: Scalar> StepControl<S> for AnyStepControl<S> {
         match { Self::Fixed(control) => control, Self::Adaptive(control) => control }
         fn start(&self, scale: &ErrorScale<S>) -> ControlMemory<S>;
         fn accuracy(&self, ticks: u32, scale: &ErrorScale<S>) -> S;
+        fn lengthening(&self) -> S;
         fn judge(
             &self,
             memory: &mut ControlMemory<S>,
