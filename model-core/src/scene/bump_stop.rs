@@ -184,9 +184,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize> BumpStop<S, P, B, R
     /// Rate of the gap coordinate in m/s.
     #[inline]
     fn gap_rate<C>(&self, state: &State<S, B, R, C>) -> S {
-        let beam = self.beam.iter().zip(&state.beam).map(|(mode, [_, velocity])| mode.contact * *velocity);
-        let rod = self.rod.iter().zip(&state.rod).map(|(mode, [_, velocity])| mode.contact * *velocity);
-        beam.fold(S::ZERO, |sum, term| sum + term) - rod.fold(S::ZERO, |sum, term| sum + term)
+        self.stop_point(state)[1] - self.rod_tip(state)[1]
     }
 
     /// Voltage at the terminals in V.

@@ -8,7 +8,7 @@ use super::gap_bound::{Flight, GapBound};
 use super::state::StateOf;
 use super::step_set::StepSetOf;
 use super::trial::Trial;
-use super::{BumpStop, Parts};
+use super::{BumpStop, Parts, weighted_sum};
 use crate::bounds::ParameterError;
 use crate::clock::{Instant, seconds_of_ticks, ticks_of_seconds};
 use crate::excitation::Excitation;
@@ -35,7 +35,8 @@ pub(super) const LEVELS: usize = 4;
 /// step: most steps near contact are limited by the gap.
 ///
 /// A bridge evaluates the voltage at the ends of a step. Behind a bridge a longer step is taken only if the part of the
-/// modes in a similar bound shows that the bridge blocks throughout, or that the voltage is nearly linear.
+/// modes in a similar bound shows that the bridge blocks throughout, or that the voltage is nearly linear while the current
+/// keeps its direction.
 ///
 /// `ALL` is 1 to integrate every power, 0 to integrate only the delivered energy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -280,6 +281,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         if self.is_clear(pair.now.gap.max(pair.next.gap) + room)
             && (self.blocks(pair.next, bound)
                 || (!blocks && self.scene.load.resolves(bound, &pair.next.circuit)))
+            && (blocks || self.keeps_direction(pair))
         {
             self.take(pair, &trial, (set.ticks, set.step), observer, work)?;
             return Ok(true);
@@ -335,6 +337,15 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
     #[inline]
     fn blocks(&self, state: &StateOf<S, P, B, R>, bound: S) -> bool {
         !P::Load::SWITCHES || self.scene.load.blocks(self.scene.voltage(state), bound, &state.circuit)
+    }
+
+    /// Whether strain moves charge in one direction at both ends of a step. Where it turns, a bridge that conducts begins to
+    /// block: the charge of a step does not show when, so that the error would be of the second order in the long step.
+    #[inline]
+    fn keeps_direction(&self, pair: &PairOf<'_, S, P, B, R>) -> bool {
+        let [from, to] = [&*pair.now, &*pair.next]
+            .map(|state| weighted_sum(self.scene.beam.iter().map(|mode| mode.voltage), &state.beam)[1]);
+        from * to >= S::ZERO
     }
 
     /// Accepts a step of a number of ticks and seconds.
