@@ -21,7 +21,7 @@ where
     C: StepControl<S>,
 {
     /// Attempts the step of `search`, or to the first guard that falls along the predicted motion.
-    #[cfg_attr(target_os = "none", inline(never))]
+    #[cfg_attr(target_os = "none", inline)]
     #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(super) fn attempt_to_event(&self, search: &mut Search<S>) -> Result<Trial<S, N, P>, NotConverged> {
         // One call of `predict` and one of `attempt`, which are long and inlined.
