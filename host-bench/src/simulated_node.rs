@@ -26,7 +26,7 @@ mod years;
 use model_core::node::{IncomeOfTime, Outage, Progress, Tier, Wake};
 
 pub use self::compared::{Errors, Extent, Name, Row, STORAGES, Setup, Storage, Totals, rows};
-pub(crate) use self::compared::{PARTS, ROWS, timelines};
+pub(crate) use self::compared::{PARTS, ROWS, summary, timelines};
 pub use self::harvester::{Kind, tone};
 pub use self::oracle::Oracle;
 pub use self::plant::{Hour, Parts, Run, World};

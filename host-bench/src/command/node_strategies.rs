@@ -11,10 +11,10 @@ use super::files::Outputs;
 use super::map::counted_on;
 use super::{count, one_more, print, with_progress};
 use crate::method::Failure;
-use crate::outcome::Format;
+use crate::outcome::{Format, folded};
 use crate::rows::Rows;
 use crate::simulated_node::{
-    Course, Extent, Kind, PARTS, Quarter, ROWS, STORAGES, Storage, picture, rows, timelines, years,
+    Course, Extent, Kind, PARTS, Quarter, ROWS, STORAGES, Storage, picture, rows, summary, timelines, years,
 };
 
 /// The names of the storages, each once.
@@ -99,6 +99,9 @@ pub(super) fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
     let count = ROWS * extent.parts.len() * extent.storages.len();
     let rows = with_progress(count, |bar| rows(&extent, &lines, || one_more(bar)));
     print_rows(&rows, arguments.format, 3)?;
+    if arguments.format == Format::Table {
+        print(&format!("\n{}\n", folded(&summary(&rows), 0)))?;
+    }
     if let Some(file) = &arguments.page {
         let scene = arguments.scene.as_deref().unwrap_or("contact-separation");
         outputs.keep(file, picture::picture(scene, &extent, &lines[0]).of_file(file)?);

@@ -300,7 +300,7 @@ pub struct Row {
     pub storage: &'static str,
     /// Of a battery its charge over the voltage, at half charge.
     pub capacitance_f: f64,
-    /// Mean income and leakage at the begin.
+    /// Mean income and leakage at the start.
     pub income_w: f64,
     pub leakage_w: f64,
     pub draw_spread: f64,
@@ -332,6 +332,32 @@ pub fn rows(extent: &Extent, lines: &[Timeline], done: impl Fn()) -> Vec<Row> {
     rows
 }
 
+/// A number of a row, of which the smaller is the better, and its name.
+type Judged = (&'static str, fn(&Row) -> f64);
+const JUDGED: [Judged; 5] = [
+    ("error", |row| row.error_median),
+    ("bound", |row| row.bound_median),
+    ("hours inside", |row| -row.inside),
+    ("actions", |row| -f64::from(row.actions)),
+    ("lock-outs", |row| f64::from(row.lock_outs)),
+];
+
+/// In how many of the [`rows`] each tier is at least as good as the difference of two readings, as a sentence.
+pub(crate) fn summary(rows: &[Row]) -> String {
+    let of = |tier: Name| {
+        let judged = JUDGED.map(|(name, number)| {
+            let both = rows
+                .chunks(Name::ALL.len())
+                .map(|all| [tier, Name::Difference].map(|of| number(&all[of as usize])));
+            let known: Vec<[f64; 2]> = both.filter(|both| both.iter().all(|one| one.is_finite())).collect();
+            format!("{name} {} of {}", known.iter().filter(|[own, other]| own <= other).count(), known.len())
+        });
+        format!("{} in {}", format!("{tier:?}").to_lowercase(), judged.join(", "))
+    };
+    let tiers = [Name::Voltage, Name::Map].map(of).join("; ");
+    format!("Rows in which a tier is at least as good as the difference of two readings: {tiers}.")
+}
+
 impl Row {
     fn new(strategy: Name, setup: &Setup, totals: &Totals, with_full: bool) -> Self {
         let errors = Errors::of(totals.hours.values().filter(|hour| with_full || hour.full == 0.0));
@@ -356,5 +382,38 @@ impl Row {
             lock_outs: totals.lock_outs,
             shunted: totals.shunted,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_summary_counts_the_rows_in_which_a_tier_is_no_worse() {
+        let setup = Setup {
+            processor: Processor::named(PARTS[0]).expect("a part"),
+            storage: STORAGES[0],
+            spread: 0.01,
+            seeds: 1,
+        };
+        let row = |name: Name, actions, lock_outs| {
+            let totals = Totals { actions, lock_outs, ..Totals::default() };
+            let known = Row::new(name, &setup, &totals, false);
+            Row { inside: 1.0, error_median: f64::from(lock_outs), ..known }
+        };
+        let others = |name: Name| row(name, 5, 5);
+        let of = |voltage: Row, map: Row| {
+            let mut all = Name::ALL.map(others);
+            (all[0], all[1]) = (voltage, map);
+            all
+        };
+        let [voltage, map] = [Name::Voltage, Name::Map];
+        let rows = [of(row(voltage, 6, 5), row(map, 4, 6)), of(row(voltage, 5, 4), row(map, 5, 9))].concat();
+        let text = summary(&rows);
+        // The bound of no row is known.
+        let counts = "voltage in error 2 of 2, bound 0 of 0, hours inside 2 of 2, actions 2 of 2, lock-outs 2 of 2; \
+                      map in error 0 of 2, bound 0 of 0, hours inside 2 of 2, actions 1 of 2, lock-outs 0 of 2.";
+        assert!(text.ends_with(counts), "{text}");
     }
 }

@@ -59,7 +59,7 @@ pub(crate) fn picture(harvester: &str, extent: &Extent, line: &Timeline) -> Pict
     let charts = vec![
         chart("Income of each hour", "mean power [µW]", Some(truth), &estimated),
         chart("Storage", "stored energy [mJ]", None, &stored),
-        chart("Actions", "actions since the begin", None, &acted),
+        chart("Actions", "actions since the start", None, &acted),
         chart("Estimating the income", "mean power [nW]", None, &estimation),
     ];
     let course =
