@@ -26,18 +26,17 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use self::document::Document;
-pub use self::document::SceneError;
+pub use self::document::{SceneError, nearest};
 pub use self::fit::Fit;
 use self::key::{Key, Kind, Table, Value, other};
 pub(crate) use self::limits::of_name as limit_of_name;
 pub use self::limits::{breakdown_voltage_v, fringing};
 pub use self::overrides::{Override, contains, finite_number_of, replaces};
 pub use self::scene::*;
-pub use self::section::nearest;
 use self::section::{Reader, Section};
 pub use self::template::{TEMPLATES, template};
 pub use self::trace::number::{Delimiter, Numbers};
-pub use self::trace::resampled;
+pub use self::trace::resample;
 /// Acceleration of gravity in m/s²: the factor of `amplitude_g`.
 pub use model_core::part::GRAVITY;
 

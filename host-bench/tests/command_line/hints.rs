@@ -22,6 +22,19 @@ fn a_key_without_its_table_and_one_that_is_misspelt() {
         &["run", SHIPPED, "--set", "load.resistence_ohm=1e6"],
         &["load.resistence_ohm = 1e6: unknown key, probably resistance_ohm misspelt"],
     );
+    // Another unit, with or without a slip, in the table of the key and in none.
+    for (scene, change, part) in [
+        (SHIPPED, "load.resistance_kohm=33", "probably resistance_ohm misspelt, in Ω and not in kohm: 3"),
+        (SHIPPED, "load.resistence_kohm=33", "probably resistance_ohm misspelt, in Ω and not in kohm: 3"),
+        (SHIPPED, "excitation.freqency_khz=1", "probably frequency_hz misspelt, in Hz and not in khz: 1"),
+        (BUMP_STOP, "stop.gpa_mm=5", "probably gap_m misspelt, in m and not in mm: 5e-3"),
+        (SHIPPED, "run.duration_min=1", "probably duration_s misspelt, in s and not in min;"),
+        (SHIPPED, "mass_g=5", "did you mean parameters.mass_kg, in kg and not in g: 5e-3?"),
+    ] {
+        refused(&["run", scene, "--set", change], &[part]);
+    }
+    let over = ["sweep", BUMP_STOP, "--over", "stop.gap_mm=1m:5m:5"];
+    refused(&over, &["stop.gap_mm is an unknown key, probably gap_m misspelt, the command keys lists all"]);
     refused(
         &["run", SHIPPED, "--set", "load.resistance_ohm=10V"],
         &["load.resistance_ohm = \"10V\": must be", "in Ω with a prefix or without, not in V"],

@@ -6,6 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
+use strsim::damerau_levenshtein;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -232,11 +233,12 @@ impl Document {
         found
     }
 
-    /// The keys of the scene whose last part is `name`, those of its kinds only.
+    /// The keys of the scene whose last part is `name`, or else the nearest to it, those of its kinds only.
     pub(super) fn paths_of(&self, name: &str) -> Vec<String> {
         let mut found = Vec::new();
-        add_paths(&KEYS, Some(&self.content), "", name, &mut found);
-        found
+        add_paths(&KEYS, Some(&self.content), "", &mut found);
+        let meant = nearest(name, &found.iter().map(|(_, last)| *last).collect::<Vec<_>>());
+        found.into_iter().filter(|(_, last)| meant == Some(*last)).map(|(path, _)| path).collect()
     }
 }
 
@@ -244,32 +246,62 @@ pub(super) fn kind_of(table: &Table, content: &Content) -> Option<&'static Kind>
     table.kind(entry(content, table.selector)?.text()?)
 }
 
-/// Adds the keys of a table and of those in it whose last part is `name`; `prefix` leads to the table.
+/// Adds the keys of a table and of those in it, each with its last part; `prefix` leads to the table.
 fn add_paths(
     table: &'static Table,
     content: Option<&Content>,
     prefix: &str,
-    name: &str,
-    found: &mut Vec<String>,
+    found: &mut Vec<(String, &'static str)>,
 ) {
     let kind = content.and_then(|content| kind_of(table, content));
     for key in kind.map_or(&[][..], |kind| kind.keys).iter().chain(table.keys) {
         let path = format!("{prefix}{}", key.name);
         let inside = content.and_then(|content| entry(content, key.name));
         match key.value {
-            Value::Table(inner) => add_paths(inner, inside, &format!("{path}."), name, found),
+            Value::Table(inner) => add_paths(inner, inside, &format!("{path}."), found),
             Value::Tables(inner) => {
                 if let Some(Content::List(items)) = inside {
                     let first = items.first().map(|node| &node.content);
-                    add_paths(inner, first, &format!("{path}.0."), name, found);
+                    add_paths(inner, first, &format!("{path}.0."), found);
                 }
             }
             _ => {}
         }
-        if key.name == name {
-            found.push(path);
-        }
+        found.push((path, key.name));
     }
+}
+
+/// Most letters by which a misspelt key differs.
+const MOST_EDITS: usize = 2;
+/// The units in which the names of keys end, and others that are written in their place.
+const UNITS: &str = " m m2 s g kg hz ohm v a w f c j n pa min h in ";
+
+/// The known name from which what was written differs least, in its unit or in a few letters.
+pub fn nearest<'a>(written: &str, known: &[&'a str]) -> Option<&'a str> {
+    let close = known.iter().copied().filter(|name| is_close(written, name));
+    close.min_by_key(|name| damerau_levenshtein(written, name))
+}
+
+/// Whether what was written differs from a key in its unit, in a few letters, or in both.
+pub(super) fn is_close(written: &str, key: &str) -> bool {
+    let written = written.to_lowercase();
+    let is_near = |one: &str, other: &str| damerau_levenshtein(one, other) <= MOST_EDITS.min(other.len() / 3);
+    let [(quantity, unit), (own, _)] = [&written, key].map(split);
+    let first = key.split_once('_').map(|(quantity, _)| quantity);
+    [first, Some(own)].contains(&Some(&*written))
+        || is_near(&written, key)
+        || (!unit.is_empty() && is_near(quantity, own))
+}
+
+/// The quantity and the unit, with a prefix or without, in the name of a key; the unit is empty where there is none.
+pub(super) fn split(name: &str) -> (&str, &str) {
+    let (head, per) = name.split_once("_per_").unwrap_or((name, ""));
+    let is_unit = |unit: &str| {
+        let bare = unit.strip_prefix(|prefix| "fpnuµμmckgt".contains(prefix)).unwrap_or(unit);
+        !per.is_empty() || [unit, bare].iter().any(|unit| UNITS.contains(&format!(" {unit} ")))
+    };
+    let at = head.rfind('_').filter(|at| is_unit(&head[at + 1..].to_lowercase()));
+    at.map_or((name, ""), |at| (&name[..at], &name[at + 1..]))
 }
 
 pub(super) fn entry<'a>(content: &'a Content, key: &str) -> Option<&'a Content> {

@@ -5,7 +5,7 @@ use std::path::Path;
 use toml::de::DeTable;
 
 use super::document::{
-    Content, Document, Node, OLD_KEYS, Origin, SceneError, convert, entry, kind_of, line_of,
+    Content, Document, Node, OLD_KEYS, Origin, SceneError, convert, entry, kind_of, line_of, nearest,
 };
 use super::key::{Key, Kind, Value, walk};
 use super::{GRAVITY, KEYS, rows_of, shipped_instead};
@@ -219,7 +219,13 @@ pub(super) fn number_of(key: &str, text: &str) -> Result<f64, String> {
     let (digits, suffix) =
         parts.find(|(head, _)| is_number(head) && head.parse::<f64>().is_ok()).ok_or_else(String::new)?;
     let (rows, suffix) = (rows_of(key), suffix.trim());
-    let unknown = || format!("; {key} is an unknown key, the command keys lists all");
+    let unknown = || {
+        let mut known = Vec::new();
+        walk(&KEYS, &mut |key| known.push(key.name));
+        let meant = nearest(key.rsplit('.').next().unwrap_or(key), &known);
+        let meant = meant.map_or_else(String::new, |meant| format!(", probably {meant} misspelt"));
+        format!("; {key} is an unknown key{meant}, the command keys lists all")
+    };
     let unit = rows.first().ok_or_else(unknown)?.unit;
     let is_of_number = |row: &&Key| {
         matches!(row.value, Value::Number(_) | Value::NumberOrLimits(_) | Value::Whole(_) | Value::Among(_))

@@ -1,13 +1,10 @@
 //! One table of a scene file, read key by key; what has no row in the table of its keys is refused.
 
-use strsim::damerau_levenshtein;
-
-use super::document::{Content, Document, Node, Origin, SceneError};
+use super::document::{Content, Document, Node, Origin, SceneError, is_close, nearest, split};
 use super::key::{Bound, Default, Key, Kind, Short, Table, Value};
 use super::overrides::number_of;
+use super::rows_of;
 
-/// Most letters by which a misspelt key differs.
-const MOST_EDITS: usize = 2;
 /// Most keys of other tables that an error names.
 const MOST_PATHS: usize = 3;
 
@@ -87,8 +84,9 @@ impl<'a> Section<'a> {
     /// An error about a quantity that must be there under one of its `keys` and is not; the first is blamed, or a
     /// key in the file that is probably one of them misspelt.
     pub(super) fn missing_of(&self, keys: &[&'static str], wanted: &str) -> SceneError {
-        let meant = keys.iter().find_map(|key| Some((key, self.misspelt(key)?)));
-        if let Some((key, (written, node))) = meant {
+        let meant = keys.iter().filter_map(|key| Some((key, self.misspelt(key)?)));
+        let mut meant = meant.filter(|(key, (written, _))| nearest(written, keys) == Some(**key));
+        if let Some((key, (written, node))) = meant.next() {
             let meant = self.meant(key, written, node);
             let reason = format!("unknown key{meant}, which is missing; must be {wanted}");
             return SceneError::of_value(&self.document.file, &self.name(written), node, reason);
@@ -116,24 +114,12 @@ impl<'a> Section<'a> {
 
     /// The key that was meant, with the number in its unit where what was written ends in another one.
     fn meant(&self, key: &str, written: &str, node: &Node) -> String {
-        let unit = self.row(key).map_or("", |row| row.unit);
-        let [(quantity, own), (other, end)] =
-            [key, written].map(|name| name.rsplit_once('_').unwrap_or((name, "")));
-        if quantity != other || end.is_empty() || own.eq_ignore_ascii_case(end) || ["", "1"].contains(&unit) {
-            return format!(", probably {key} misspelt");
-        }
-        // The end may be a prefix by accident: `duration_m` for minutes.
-        let is_unit = end.ends_with(unit) || unit.ends_with(end);
-        let value =
-            if is_unit { self.number_of(key, &format!("{}{end}", node.content)) } else { Err(String::new()) };
-        let short = |value| format!(": {}", Short(format!("{value:.9e}").parse().unwrap_or(value)));
-        let value = value.map_or_else(|_| String::new(), short);
-        format!(", probably {key} misspelt, in {unit} and not in {end}{value}")
+        format!(", probably {key} misspelt{}", of_unit(&plain(&self.name(key)), written, node))
     }
 
     /// The number of a text for a key, or what to say of its unit.
     fn number_of(&self, key: &str, text: &str) -> Result<f64, String> {
-        number_of(&self.name(key).replace('[', ".").replace(']', ""), text)
+        number_of(&plain(&self.name(key)), text)
     }
 
     pub(super) fn file(&self) -> &'a std::path::Path {
@@ -384,7 +370,9 @@ impl<'a> Section<'a> {
                 };
                 let elsewhere = match &elsewhere[..elsewhere.len().min(MOST_PATHS)] {
                     [] => String::new(),
-                    paths => format!("; did you mean {}?", paths.join(" or ")),
+                    paths @ [path, ..] => {
+                        format!("; did you mean {}{}?", paths.join(" or "), of_unit(path, &name, node))
+                    }
                 };
                 let known = known.join(", ");
                 let reason = format!("unknown key{probably}; known here: {known}{elsewhere}");
@@ -394,16 +382,24 @@ impl<'a> Section<'a> {
     }
 }
 
-/// The known name from which what was written differs least, in its unit or in a few letters.
-pub fn nearest<'a>(written: &str, known: &[&'a str]) -> Option<&'a str> {
-    let close = known.iter().copied().filter(|name| is_close(written, name));
-    close.min_by_key(|name| damerau_levenshtein(written, name))
+/// The name of a key with a dot before the number of an item.
+fn plain(name: &str) -> String {
+    name.replace('[', ".").replace(']', "")
 }
 
-/// Whether what was written differs from a key in its unit or in a few letters.
-fn is_close(written: &str, key: &str) -> bool {
-    let same_quantity = key.split_once('_').is_some_and(|(quantity, _)| written == quantity)
-        || key.rsplit_once('_').is_some_and(|(quantity, _)| written == quantity);
-    let edits = damerau_levenshtein(&written.to_lowercase(), key);
-    same_quantity || edits <= MOST_EDITS.min(key.len() / 3)
+/// The unit of the key of a name, with the number in it, where what was written ends in another one.
+fn of_unit(name: &str, written: &str, node: &Node) -> String {
+    let key = name.rsplit('.').next().unwrap_or(name);
+    let unit = rows_of(name).first().map_or("", |row| row.unit);
+    let [own, end] = [key, written].map(|name| split(name).1);
+    let lower = end.to_lowercase();
+    if own.is_empty() || end.is_empty() || own == lower || ["", "1"].contains(&unit) {
+        return String::new();
+    }
+    // The end is no prefix by accident: `duration_m` is for minutes.
+    let prefix = lower.strip_suffix(own).map(|prefix| &end[..prefix.len()]);
+    let suffix = prefix.or(Some(end).filter(|end| end.ends_with('g')));
+    let value = suffix.and_then(|suffix| number_of(name, &format!("{}{suffix}", node.content)).ok());
+    let short = |value| format!(": {}", Short(format!("{value:.9e}").parse().unwrap_or(value)));
+    format!(", in {unit} and not in {end}{}", value.map_or_else(String::new, short))
 }
