@@ -155,14 +155,22 @@ pub fn table<R: Into<Row>>(
     let cells = |row: Row| row.cell_iter().map(Cell::content).collect::<Vec<String>>();
     let headings = cells(headings.into());
     let rows: Vec<Vec<String>> = rows.into_iter().map(|row| cells(row.into())).collect();
-    let of = |columns: &[usize], words: usize| {
+    let of = |headings: &Vec<String>, columns: &[usize], words: usize| {
         let some = |row: &Vec<String>| columns.iter().map(|&at| row[at].clone()).collect::<Vec<_>>();
-        let text = whole_table(style, some(&headings), rows.iter().map(some), words);
+        let text = whole_table(style, some(headings), rows.iter().map(some), words);
         (text.lines().all(|line| line.chars().count() <= WIDTH), text)
     };
-    if let (true, text) = of(&Vec::from_iter(0..headings.len()), words) {
+    if let (true, text) = of(&headings, &Vec::from_iter(0..headings.len()), words) {
         return text;
     }
+    // Of headings that several columns have, each takes that of its group before it: the parts tear groups apart.
+    let is_own = |at: &usize| headings.iter().filter(|other| **other == headings[*at]).count() == 1;
+    let group = |at: usize| (0..at).rev().find(is_own).filter(|_| !is_own(&at));
+    let whole = |(at, own): (usize, &String)| match group(at) {
+        Some(group) => format!("{}: {own}", headings[group]),
+        None => own.clone(),
+    };
+    let headings: Vec<String> = headings.iter().enumerate().map(whole).collect();
     let distinct = |keys: &[usize]| {
         let of_row = rows.iter().map(|row| keys.iter().map(|key| &row[*key]).collect::<Vec<_>>());
         of_row.collect::<BTreeSet<_>>().len()
@@ -184,7 +192,7 @@ pub fn table<R: Into<Row>>(
     let mut text = if same.is_empty() { String::new() } else { said };
     loop {
         let part = |count: usize| {
-            let (fits, part) = of(&[&keys[..], &rest[..count]].concat(), words);
+            let (fits, part) = of(&headings, &[&keys[..], &rest[..count]].concat(), words);
             (fits || count < 2).then_some((count, part))
         };
         let (count, part) = (0..=rest.len()).rev().find_map(part).unwrap_or_default();
@@ -373,5 +381,18 @@ mod tests {
         let found =
             starts.map(|start| text.lines().filter(|line| line.trim_start().starts_with(start)).count());
         assert_eq!(found, [1, 3, 3], "{text}");
+        // Columns of the same heading are told apart by that of their group.
+        let groups =
+            ["at 1e-2", "at 1e-3"].map(|group| ["scene", group, "best peer", "x"].map(str::to_owned));
+        let headings: Vec<String> = groups.concat().into_iter().chain(many).collect();
+        let row = |key: &str| {
+            let own = ["a", key, "CVODE", key, "a", key, "SDIRK", key].map(str::to_owned);
+            own.into_iter().chain((10..40).map(|column| format!("{column}_{key}"))).collect::<Vec<String>>()
+        };
+        let text = table(presets::NOTHING, headings, ["1", "2"].map(row), 1);
+        assert!(
+            text.contains("at 1e-2: best peer CVODE, ") && text.contains("at 1e-3: best peer SDIRK"),
+            "{text}"
+        );
     }
 }
