@@ -194,7 +194,7 @@ pub(crate) fn count<T: TryFrom<u64>>(
 pub(crate) fn progress(count: usize) -> ProgressBar {
     let target = if is_quiet() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(Some(count as u64), target);
-    let template = ProgressStyle::with_template("{bar:40} {pos}/{len}  {elapsed} elapsed, {eta} to go");
+    let template = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} elapsed, {eta} to go");
     match template {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
@@ -209,17 +209,24 @@ pub(crate) fn with_progress<T>(count: usize, work: impl FnOnce(&ProgressBar) -> 
     found
 }
 
-/// Counts one more case of a long command on the bar. Where standard error is no terminal and the bar is hidden, prints a
-/// line for each tenth of the cases, after the first seconds.
+/// Counts one more case of a long command on the bar.
 pub(crate) fn one_more(bar: &ProgressBar) {
-    bar.inc(1);
+    more(bar, 1);
+}
+
+/// Counts more work on the bar. Where standard error is no terminal and the bar is hidden, prints a line for each tenth of it, after
+/// the first seconds.
+pub(crate) fn more(bar: &ProgressBar, work: u64) {
+    bar.inc(work);
+    // A search may take more cases than were foreseen.
+    bar.set_length(bar.length().unwrap_or(0).max(bar.position()));
     let (done, all) = (bar.position(), bar.length().unwrap_or(0));
     let elapsed = bar.elapsed().as_secs_f64();
-    // Whether this case completes a tenth.
-    let is_tenth = done * 10 / all.max(1) > done.saturating_sub(1) * 10 / all.max(1);
+    // Whether this completes a tenth.
+    let is_tenth = done * 10 / all.max(1) > done.saturating_sub(work) * 10 / all.max(1);
     if bar.is_hidden() && is_tenth && elapsed >= EVERY.as_secs_f64() {
         let to_go = elapsed * all.saturating_sub(done) as f64 / done as f64;
-        note(&format!("{done}/{all}  {elapsed:.0} s elapsed, {to_go:.0} s to go"));
+        note(&format!("{} %  {elapsed:.0} s elapsed, {to_go:.0} s to go", 100 * done / all));
     }
 }
 

@@ -240,32 +240,45 @@ fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
-/// Number of times that [`compare`] calls `done`.
-pub(crate) fn length(scene: &Scene, extent: &Extent) -> usize {
-    1 + (kind(scene).variants)(scene, extent).len() * (1 + extent.runs)
+/// Steps of a row's run, by which its time is foreseen: of a method that chooses its steps some 500 in a period.
+fn steps(variant: &Variant, scene: &Scene) -> u64 {
+    let step_s = match variant.control {
+        Control::PerPeriod { steps, period_s } => period_s / f64::from(steps),
+        Control::Step { step_s, long_step_s } => (step_s * long_step_s.unwrap_or(step_s)).sqrt(),
+        Control::Tolerance(_) | Control::Default => triboelectric::period(scene) / 500.0,
+    };
+    (scene.run.duration_s / step_s) as u64
 }
 
-/// Runs all variants on a scene, on the calling thread, one after another; calls `done` after each run.
+/// Most repeats of a row of which [`compare`] tells: a row that takes long is timed twice.
+const LONG: usize = 2;
+
+/// The work of which [`compare`] tells, in steps.
+pub(crate) fn work(scene: &Scene, extent: &Extent) -> u64 {
+    let rows = (kind(scene).variants)(scene, extent);
+    (1 + extent.runs.min(LONG) as u64) * rows.iter().map(|row| steps(row, scene)).sum::<u64>()
+}
+
+/// Runs all variants on a scene, on the calling thread, one after another; calls `done` with the work of each run.
 ///
 /// A round of repeats goes through all variants, so that a machine that is busy for a while slows all rows alike.
 ///
 /// # Errors
 /// [`Failure::Input`] if the scene is refused, [`Failure::Step`] if the reference fails. A variant that fails is a row that says so.
-pub(crate) fn compare(scene: &Scene, extent: &Extent, done: impl Fn()) -> Result<Comparison, Failure> {
+pub(crate) fn compare(scene: &Scene, extent: &Extent, done: impl Fn(u64)) -> Result<Comparison, Failure> {
     let kind = kind(scene);
     let reference = run_scene(scene, &Options { method: Method::Reference, ..Options::default() })?;
-    done();
     let mut all = Vec::new();
     for variant in (kind.variants)(scene, extent) {
         all.push(Timed::run(scene, variant)?);
-        done();
+        done(steps(&variant, scene));
     }
-    for _ in 0..extent.runs {
+    for round in 0..extent.runs {
         for timed in &mut all {
             if timed.wants_more(extent) {
                 timed.repeat(scene)?;
             }
-            done();
+            done(if round < LONG { steps(&timed.variant, scene) } else { 0 });
         }
     }
     let mut rows: Vec<Row> = all.into_iter().map(|timed| timed.row(scene, &reference)).collect();

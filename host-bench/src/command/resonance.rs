@@ -20,8 +20,9 @@ const UNUSED: [Unused; 3] = [
     ("run", "the steady state does not depend on the length of a run"),
     ("excitation.frequency_hz", "--from and --to give the frequencies"),
 ];
-/// Steady states that narrowing down the peaks takes, beside those of the scan: thrice a dozen.
+/// Steady states beside those of the scan: a dozen for each of three peaks, and two each decade of a load from 1 Ω to 10 TΩ.
 const NARROWING: usize = 36;
+const RESISTANCES: usize = 27;
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct ResonanceArguments {
@@ -63,7 +64,8 @@ pub(super) fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
     storage_voltage.hold(&mut scene)?;
     let range_hz = [from, to];
     let options = &arguments.scene.options;
-    let found = with_progress(points + NARROWING, |bar| {
+    let runs = if short_open { 2 * (points + NARROWING + RESISTANCES) } else { points + NARROWING };
+    let found = with_progress(runs, |bar| {
         if short_open {
             return compared(&scene, range_hz, points, options, bar);
         }

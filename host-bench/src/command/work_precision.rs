@@ -6,7 +6,7 @@ use comfy_table::presets;
 use serde_json::json;
 
 use super::files::{Outputs, make_folder, report_folder};
-use super::{NODE, SHIPPED_SCENES, check_overrides, json_text, one_more, print, with_progress};
+use super::{NODE, SHIPPED_SCENES, check_overrides, json_text, more, print, with_progress};
 use crate::method::{Failure, Method, Options, Precision};
 use crate::motion::{self, Series, View, Wanted};
 use crate::needs::{REPEATS, Study, cheapest, host_time};
@@ -103,7 +103,7 @@ fn beside_peers(_: &WorkPrecisionArguments, _: &[String]) -> Result<(), Failure>
 /// Runs the comparison with the peers, prints it and writes its files.
 #[cfg(feature = "peers")]
 fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<(), Failure> {
-    use super::print_line;
+    use super::{one_more, print_line};
     use crate::work_precision::peers;
 
     let cases = peers::cases(names)?;
@@ -168,9 +168,15 @@ pub(super) fn shipped(overrides: &[Override], extent: &Extent) -> Result<Vec<Sce
 
 /// Runs the comparison on each scene, with a progress bar.
 pub(super) fn compare(scenes: &[Scene], extent: &Extent) -> Result<Vec<Comparison>, Failure> {
-    with_progress(scenes.iter().map(|scene| work_precision::length(scene, extent)).sum(), |bar| {
-        scenes.iter().map(|scene| work_precision::compare(scene, extent, || one_more(bar))).collect()
-    })
+    with_progress(
+        scenes.iter().map(|scene| work_precision::work(scene, extent)).sum::<u64>() as usize,
+        |bar| {
+            scenes
+                .iter()
+                .map(|scene| work_precision::compare(scene, extent, |work| more(bar, work)))
+                .collect()
+        },
+    )
 }
 
 const PAGE: &str = "index.html";

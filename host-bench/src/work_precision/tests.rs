@@ -13,7 +13,7 @@ fn shipped(resistance_ohm: &str) -> Scene {
 fn the_error_falls_with_the_step_and_rows_that_do_not_differ_are_left_out() {
     let scene = shipped("1e8");
     let comparison =
-        compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, backends: 5, whole: false }, || ())
+        compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, backends: 5, whole: false }, |_| ())
             .expect("the reference runs");
     let power_error = |steps: u32| {
         let row = comparison.rows.iter().find(|row| {
@@ -76,7 +76,7 @@ fn a_slider_is_compared_by_its_amplitude() {
     let changes = [("run", "{duration_s=0.6,settle_s=0.3}")];
     let scene = read_shipped("sliding", &changes).expect("the shipped scene is valid");
     let comparison =
-        compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, backends: 5, whole: false }, || ())
+        compare(&scene, &Extent { runs: 1, seconds_per_row: 0.0, backends: 5, whole: false }, |_| ())
             .expect("the reference runs");
     let error = |method: Method, steps: u32| {
         let row = comparison.rows.iter().find(|row| {

@@ -1,6 +1,6 @@
 //! A short table of the shipped scene.
 
-use super::super::{compare, length, table};
+use super::super::{compare, table, work};
 use super::*;
 use crate::scene_file::read_shipped;
 
@@ -16,8 +16,8 @@ fn every_method_converges_and_the_explicit_one_fails_where_it_must() {
     let scene = read_shipped("bump-stop", &changes).expect("valid");
     let extent = Extent { runs: 1, seconds_per_row: 1.0, backends: 5, whole: false };
     let steps = std::cell::Cell::new(0);
-    let comparison = compare(&scene, &extent, || steps.set(steps.get() + 1)).expect("runs");
-    assert_eq!(steps.get(), length(&scene, &extent));
+    let comparison = compare(&scene, &extent, |work| steps.set(steps.get() + work)).expect("runs");
+    assert_eq!(steps.get(), work(&scene, &extent));
     assert_eq!(comparison.rows.len(), 7 * FEW_STEPS.len());
     let error = |method: Method, precision: Precision, step: f64, two_rates: bool| {
         let row = comparison.rows.iter().find(|row| {
