@@ -41,30 +41,36 @@ impl Range {
     }
 }
 
+/// A key, both ends of a range, what follows them, and whether `log` ends all.
+type Ends<'a> = (&'a str, [f64; 2], Vec<&'a str>, bool);
+
+/// Those of `KEY=LOW:HIGH…`, where the ends have these names.
+pub(crate) fn ends<'a>(text: &'a str, form: &str, [low, high]: [&str; 2]) -> Result<Ends<'a>, String> {
+    let (key, range) = text.split_once('=').ok_or(form)?;
+    let (key, mut parts) = (key.trim(), range.split(':').map(str::trim).collect::<Vec<_>>());
+    let is_logarithmic = parts.pop_if(|last| *last == "log").is_some();
+    if key.is_empty() || parts.len() < 2 {
+        return Err(form.to_owned());
+    }
+    let rest = parts.split_off(2);
+    let ends = [finite_number_of(key, low, parts[0])?, finite_number_of(key, high, parts[1])?];
+    match is_logarithmic && !ends.iter().all(|end| *end > 0.0) {
+        true => Err(format!("{low} and {high} must be above 0 with log")),
+        false => Ok((key, ends, rest, is_logarithmic)),
+    }
+}
+
 impl FromStr for Range {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         const FORM: &str = "must be KEY=LOW:HIGH or KEY=LOW:HIGH:log";
-        let (key, range) = text.split_once('=').ok_or(FORM)?;
-        let key = key.trim().to_owned();
-        let parts: Vec<&str> = range.split(':').map(str::trim).collect();
-        let (low, high, is_logarithmic) = match parts[..] {
-            [low, high] => (low, high, false),
-            [low, high, "log"] => (low, high, true),
-            _ => return Err(FORM.to_owned()),
-        };
-        let (low, high) = (finite_number_of(&key, "LOW", low)?, finite_number_of(&key, "HIGH", high)?);
-        if key.is_empty() {
-            return Err(FORM.to_owned());
+        let (key, [low, high], rest, is_logarithmic) = ends(text, FORM, ["LOW", "HIGH"])?;
+        match rest[..] {
+            [] if low < high => Ok(Self { key: key.to_owned(), low, high, is_logarithmic }),
+            [] => Err(format!("LOW = {low} must be below HIGH = {high}")),
+            _ => Err(FORM.to_owned()),
         }
-        if !(low < high) {
-            return Err(format!("LOW = {low} must be below HIGH = {high}"));
-        }
-        if is_logarithmic && !(low > 0.0) {
-            return Err("LOW must be above 0 with log".to_owned());
-        }
-        Ok(Self { key, low, high, is_logarithmic })
     }
 }
 
@@ -241,12 +247,6 @@ impl Request<'_> {
             Some(Failure::Input(format!("{option} {name}: cannot be sought: {reason}")))
         });
         refused.next().map_or(Ok(()), Err)
-    }
-
-    /// Refuses a quantity that the result of the scene does not have.
-    fn check_quantities(&self, place: &[f64], outcome: &Outcome) -> Result<(), Failure> {
-        let numbers = self.numbers(place, outcome)?;
-        self.quantities().try_for_each(|(option, name)| check_quantity(option, name, &numbers))
     }
 
     /// The value in its own sign.

@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
     // The last one goes across.
     let axes =
         [("velocity at the start [m/s]", velocities), ("displacement at the start [m]", displacements)]
-            .map(|(name, ends)| Axis::linear(name, ends, side));
+            .map(|(name, ends)| Axis::new(name, ends, side, false));
     let grid = (0..side * side).map(|index| values(&axes, index)).map(|at| [at[1], at[0]]);
     let starts: Vec<[f64; 2]> = std::iter::once(start(&later)).chain(grid).collect();
     let ends = with_progress(starts.len(), |bar| ends(&later, options, &starts, || one_more(bar)));

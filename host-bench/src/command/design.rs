@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<(), Failure> {
     let outputs = Outputs::of(file, overrides)?;
     let target = arguments.output.clone().unwrap_or_else(|| report_folder().join("design.html"));
     match arguments.output {
-        Some(_) => outputs.check_page("--output", &target)?,
+        Some(_) => outputs.check_ending("--output", &target, &["html"])?,
         None => outputs.check_in("", &report_folder(), &["design.html"])?,
     }
     let points = PointArguments::of_single_runs(SceneArguments {
@@ -166,8 +166,7 @@ fn curve(
     let Some(value) = value(&points.scene, key) else {
         return left_out(&format!("{key} is no positive number in the scene"));
     };
-    let axis = Axis::linear(key, ends(value), POINTS);
-    drawn(points, &[if is_logarithmic { axis.in_logarithm() } else { axis }])
+    drawn(points, Axis::new(key, ends(value), POINTS, is_logarithmic))
 }
 
 fn left_out(reason: &str) -> Result<Picture, Failure> {

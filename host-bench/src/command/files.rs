@@ -84,12 +84,8 @@ impl Outputs {
         files.into_iter().try_for_each(|file| self.check_ending(option, file, ENDINGS))
     }
 
-    /// As [`Outputs::check`], of a page, whose name must end in `.html`.
-    pub(crate) fn check_page(&self, option: &str, file: &Path) -> Result<(), Failure> {
-        self.check_ending(option, file, &["html"])
-    }
-
-    fn check_ending(&self, option: &str, file: &Path, endings: &[&str]) -> Result<(), Failure> {
+    /// As [`Outputs::check`], of a file whose name must end in one of these.
+    pub(crate) fn check_ending(&self, option: &str, file: &Path, endings: &[&str]) -> Result<(), Failure> {
         self.check(option, file)?;
         let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         let is_one_of = |endings: &[&str]| ending.as_deref().is_some_and(|ending| endings.contains(&ending));

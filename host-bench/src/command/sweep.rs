@@ -11,7 +11,7 @@ use serde_json::json;
 
 pub(super) use self::axis::Axis;
 pub(super) use self::messages::warnings;
-use self::messages::{best, best_text, doubt};
+use self::messages::{best, best_text, doubt, refined_text};
 use self::picture::{Labels, Quantity, picture};
 use self::points::{Point, PointArguments, Points, csv};
 use super::{is_quiet, note, warn};
@@ -45,7 +45,14 @@ pub(super) fn run(
     let points = points(arguments, axes, *compare)?;
     let Some(done) = points.run(&[])? else { return Ok(()) };
     let found = &done.points;
-    print_notes(axes, &points, found);
+    if let Some(costs) = messages::costs(found.iter().filter_map(|point| point.compared.as_ref())) {
+        note(&costs);
+    }
+    warnings(found).for_each(|warning| warn(&warning));
+    if let (Format::Table, false, Some(best)) = (arguments.scene.format, is_quiet(), best(found)) {
+        note(&best_text(best));
+        doubt(axes, &points, best).iter().for_each(|doubt| warn(doubt));
+    }
     let picture = match arguments.output {
         Some(_) => picture_of(axes, &points, found)?,
         None => None,
@@ -58,26 +65,10 @@ pub(super) fn run(
     points.end(done, picture.as_ref(), &text)
 }
 
-/// Prints on standard error the costs of all points, the warnings, and the best point.
-fn print_notes(axes: &[Axis], points: &Points<'_>, found: &[Point]) {
-    if let Some(costs) = messages::costs(found.iter().filter_map(|point| point.compared.as_ref())) {
-        note(&costs);
-    }
-    warnings(found).for_each(|warning| warn(&warning));
-    if let (Format::Table, false, Some(best)) = (points.arguments.scene.format, is_quiet(), best(found)) {
-        note(&best_text(best));
-        doubt(axes, points, best).iter().for_each(|doubt| warn(doubt));
-    }
-}
-
-/// The number of points, if it can be counted.
-pub(super) fn points_of(axes: &[Axis]) -> Option<usize> {
-    axes.iter().try_fold(1usize, |count, axis| count.checked_mul(axis.count()))
-}
-
 /// The number of points; each key must be given once.
 pub(super) fn check_axes(axes: &[Axis]) -> Result<usize, Failure> {
-    let count = points_of(axes)
+    let count = axes.iter().try_fold(1usize, |count, axis| count.checked_mul(axis.count()));
+    let count = count
         .filter(|count| *count <= MOST)
         .ok_or_else(|| Failure::Input(format!("--over: the grid must have at most {MOST} points")))?;
     let is_again = |index: usize, axis: &Axis| axes[..index].iter().any(|other| other.key == axis.key);
@@ -91,16 +82,17 @@ pub(super) fn check_axes(axes: &[Axis]) -> Result<usize, Failure> {
     }
 }
 
-/// The picture of a sweep, with its best point and its warnings as the text.
-pub(super) fn drawn(arguments: &PointArguments, axes: &[Axis]) -> Result<Picture, Failure> {
+/// The picture of a sweep over one key, with its best point and its warnings as the text.
+pub(super) fn drawn(arguments: &PointArguments, axis: Axis) -> Result<Picture, Failure> {
+    let axes = &[axis];
     let points = points(arguments, axes, false)?;
     let none = || Failure::Input("no point could be run to its end".to_owned());
     let found = points.run(&[])?.ok_or_else(none)?.points;
     let best = best(&found);
     let doubt = best.and_then(|best| doubt(axes, &points, best)).into_iter();
     let warnings = warnings(&found).chain(doubt).map(|warning| format!("warning: {warning}"));
-    let lines: Vec<String> =
-        best.map(best_text).into_iter().chain(warnings).map(|line| folded(&line, 2)).collect();
+    let best = best.map(|best| refined_text(&axes[0], &points, &found, best)).into_iter();
+    let lines: Vec<String> = best.chain(warnings).map(|line| folded(&line, 2)).collect();
     Ok(Picture { text: lines.join("\n"), ..picture_of(axes, &points, &found)?.ok_or_else(none)? })
 }
 

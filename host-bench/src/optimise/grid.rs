@@ -1,6 +1,6 @@
 //! The grid over the ranges, and the places between its points that make it as fine as a resonance.
 
-use super::{Point, Request};
+use super::{Point, Request, check_quantity};
 use crate::method::Failure;
 use crate::run::each;
 
@@ -65,8 +65,10 @@ pub(super) fn first(request: &Request<'_>, grid: &[Vec<f64>]) -> Result<Vec<Poin
         // The first run that succeeds has the names.
         let mut named =
             places.iter().zip(&tried).filter_map(|(place, tried)| Some((place, tried.as_ref().ok()?)));
-        let checked = named.next().map(|(place, outcome)| request.check_quantities(place, outcome));
-        let is_done = checked.transpose()?.is_some();
+        let numbers = named.next().map(|(place, outcome)| request.numbers(place, outcome)).transpose()?;
+        for ((option, name), numbers) in request.quantities().zip(numbers.iter().cycle()) {
+            check_quantity(option, name, numbers)?;
+        }
         for (place, tried) in places.iter().zip(tried) {
             let tried = request.counted(tried);
             if let Err(failure) = &tried {
@@ -74,7 +76,7 @@ pub(super) fn first(request: &Request<'_>, grid: &[Vec<f64>]) -> Result<Vec<Poin
             }
             points.push(request.judged(place, tried.ok()));
         }
-        if is_done {
+        if numbers.is_some() {
             return Ok(points);
         }
     }

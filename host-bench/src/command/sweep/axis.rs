@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::scene_file::finite_number_of;
+use crate::optimise::ends;
 
 /// Most points on one axis.
 const MOST: usize = 100_000;
@@ -19,13 +19,9 @@ pub(in crate::command) struct Axis {
 }
 
 impl Axis {
-    pub(in crate::command) fn linear(key: &str, [from, to]: [f64; 2], count: usize) -> Self {
-        Self { key: key.to_owned(), from, to, count, logarithmic: false }
-    }
-
-    /// The same ends, with values spread evenly in their logarithm.
-    pub(in crate::command) fn in_logarithm(self) -> Self {
-        Self { logarithmic: true, ..self }
+    /// Values spread evenly, or evenly in their logarithm.
+    pub(in crate::command) fn new(key: &str, [from, to]: [f64; 2], count: usize, logarithmic: bool) -> Self {
+        Self { key: key.to_owned(), from, to, count, logarithmic }
     }
 
     /// Number of values.
@@ -60,29 +56,16 @@ impl FromStr for Axis {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         const FORM: &str = "must be KEY=FROM:TO:COUNT or KEY=FROM:TO:COUNT:log";
-        let (key, range) = text.split_once('=').ok_or(FORM)?;
-        let key = key.trim();
-        let parts: Vec<&str> = range.split(':').map(str::trim).collect();
-        let (from, to, count, logarithmic) = match parts[..] {
-            [from, to, count] => (from, to, count, false),
-            [from, to, count, "log"] => (from, to, count, true),
-            _ => return Err(FORM.to_owned()),
-        };
-        if key.is_empty() {
-            return Err(FORM.to_owned());
-        }
-        let (from, to) = (finite_number_of(key, "FROM", from)?, finite_number_of(key, "TO", to)?);
+        let (key, [from, to], rest, logarithmic) = ends(text, FORM, ["FROM", "TO"])?;
+        let [count] = rest[..] else { return Err(FORM.to_owned()) };
         let count = match count.parse() {
             Ok(count) if (1..=MOST).contains(&count) => count,
             _ => return Err(format!("COUNT = {count:?} must be a whole number from 1 to {MOST}")),
         };
-        if logarithmic && !(from > 0.0 && to > 0.0) {
-            return Err("FROM and TO must be above 0 with log".to_owned());
-        }
         if count == 1 && from != to {
             return Err(format!("COUNT = 1 must be at least 2 to go from {from} to {to}"));
         }
-        Ok(Self { key: key.to_owned(), from, to, count, logarithmic })
+        Ok(Self::new(key, [from, to], count, logarithmic))
     }
 }
 

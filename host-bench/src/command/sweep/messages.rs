@@ -11,7 +11,9 @@ use crate::shift::Best;
 /// The warnings of the points together. A row has its own warnings in JSON and CSV.
 pub(in crate::command) fn warnings(points: &[Point]) -> impl Iterator<Item = String> {
     let first = |kind| first_of(points, |warning| warning.starts_with(kind)).map(|(_, text)| text);
-    let others = [most_created(points), all_far(points)];
+    // A sweep may go beyond the resonances on purpose.
+    let all_far = first_of(points, is_of_a_far_sine).filter(|(count, _)| *count == points.len());
+    let others = [most_created(points), all_far.map(|(_, text)| text)];
     others.into_iter().chain(KINDS.map(first)).flatten()
 }
 
@@ -51,6 +53,32 @@ pub(super) fn best_text((_, point, power): (usize, &Point, f64)) -> String {
     format!("largest mean_power_w {power:.3e} at {}{stated}", point.place())
 }
 
+/// The best point of a curve in words; between two others that of a further run, at the vertex of the parabola through the three.
+pub(super) fn refined_text(
+    axis: &Axis,
+    points: &Points<'_>,
+    found: &[Point],
+    best @ (at, _, top): (usize, &Point, f64),
+) -> String {
+    let power = |at: usize| found.get(at)?.number("mean_power_w");
+    let Some((left, right)) = at.checked_sub(1).and_then(|before| power(before).zip(power(at + 1))) else {
+        return best_text(best) + ", at an end of the curve";
+    };
+    let vertex = at as f64 + 0.5 * (left - right) / (left - 2.0 * top + right);
+    let value = axis.at(vertex / (axis.count() - 1) as f64);
+    let run = |scene| run_scene(&scene, &points.arguments.options()).ok()?.mean_power_w;
+    match points.scene(&[value]).ok().and_then(run).filter(|power| *power > top) {
+        Some(power) => {
+            let value: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+            format!(
+                "largest mean_power_w {power:.3e} at {} = {value}, between two points of the curve",
+                axis.key
+            )
+        }
+        None => best_text(best),
+    }
+}
+
 /// The warning of a best point that may be a lucky one.
 pub(super) fn doubt(
     axes: &[Axis],
@@ -79,11 +107,6 @@ pub(super) fn doubt(
         at: &at,
     }
     .doubt()
-}
-
-/// The warning of sines that are far from every resonance, where all points have it: a sweep may go beyond the resonances on purpose.
-fn all_far(points: &[Point]) -> Option<String> {
-    first_of(points, is_of_a_far_sine).filter(|(count, _)| *count == points.len()).map(|(_, text)| text)
 }
 
 /// How many points have a warning of a kind, and the first of them in words.
