@@ -192,6 +192,7 @@ pub(crate) fn branches(ends: &[End], starts: usize) -> Vec<Branch> {
         mean_power_w: Some(end.power_w),
         period: end.period,
         share: count as f64 / starts as f64,
+        starts,
         displacement_m: end.start[0],
         velocity_m_per_s: end.start[1],
     };
@@ -207,9 +208,8 @@ pub(crate) fn add_branches(scene: &Scene, asked: &Options, outcome: &mut Outcome
     }
     if let Some(branches) = &outcome.branches {
         let motion = |branch: &Branch| {
-            let Branch { mean_power_w, share, displacement_m, velocity_m_per_s, .. } = branch;
-            let (power_w, starts) = (mean_power_w.unwrap_or(f64::NAN), 1 + FEW.len());
-            let count = share * starts as f64;
+            let Branch { mean_power_w, share, starts, displacement_m, velocity_m_per_s, .. } = branch;
+            let (power_w, count) = (mean_power_w.unwrap_or(f64::NAN), share * *starts as f64);
             let place = format!("from {displacement_m:.3e} m and {velocity_m_per_s:.3e} m/s");
             format!("{power_w:.3e} W {place} ({count:.0} of {starts} starts)")
         };

@@ -103,6 +103,8 @@ pub struct Branch {
     pub period: Option<usize>,
     /// Part of the starts that lead to the motion.
     pub share: f64,
+    /// Number of all starts.
+    pub starts: usize,
     /// Gap, displacement of the slider or of the tip in m at the start.
     pub displacement_m: f64,
     /// Its velocity in m/s at the start.

@@ -87,8 +87,8 @@ pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
     outputs.ended()
 }
 
-const COLUMNS: [&str; 6] =
-    ["mean_power_w", "period", "share", "displacement_m", "velocity_m_per_s", "accuracy_total"];
+const COLUMNS: [&str; 7] =
+    ["mean_power_w", "period", "share", "starts", "displacement_m", "velocity_m_per_s", "accuracy_total"];
 
 /// A row for each motion, with the statement and the warnings of its first run, those of the command first.
 fn text(found: &[Branch], runs: &[Outcome], doubts: &[String], format: Format) -> String {

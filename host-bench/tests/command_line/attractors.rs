@@ -55,7 +55,7 @@ fn all_starts_are_shared_among_the_motions_that_they_find() {
     let all = json(&[&command[..], &BISTABLE].concat());
     let all = all.as_array().expect("rows");
     let keys: Vec<&String> = all[0].as_object().expect("an object").keys().collect();
-    assert_eq!(keys[..5], ["mean_power_w", "period", "share", "displacement_m", "velocity_m_per_s"]);
+    assert_eq!(keys[..5], ["mean_power_w", "period", "share", "starts", "displacement_m"]);
     for row in all {
         assert!(row["accuracy"]["total"].as_f64().is_some_and(|total| total < 0.1), "{row}");
         assert!(row["warnings"].to_string().contains("model: fringing"), "{row}");
