@@ -116,7 +116,7 @@ impl Subject {
             Self::BumpStop => bump_stop::build(done),
         }?;
         let scenes = self.scenes();
-        let outcomes = each(&scenes, &|| {}, |name| run_scene(&shipped(name)?, &Options::default()))?;
+        let outcomes = try_each(&scenes, |name| run_scene(&shipped(name)?, &Options::default()))?;
         for (name, outcome) in scenes.iter().zip(outcomes) {
             chapter.introduction += &format!("<p>{name}{}</p>\n", margin(named(&outcome.margins)));
         }
@@ -130,7 +130,7 @@ impl Subject {
 }
 
 /// Runs each case on all cores; calls `done` after each.
-fn each<C: Sync, R: Send>(
+fn try_each_counted<C: Sync, R: Send>(
     cases: &[C],
     done: &(dyn Fn() + Sync),
     run: impl Fn(&C) -> Result<R, Failure> + Sync,

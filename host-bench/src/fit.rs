@@ -269,7 +269,7 @@ fn settled(
         let (_, information) = leverages(problem, &solved, weights.sigma());
         let unlikelihood = weights.unlikelihood(&solved.evaluation.values, &measured) + information;
         ends.push((unlikelihood, weights, solved));
-        if !problem.has_sweep() {
+        if !problem.data.iter().any(|data| matches!(data.rows, Rows::Sweep(_))) {
             break;
         }
     }
@@ -348,10 +348,6 @@ fn relative_residuals(problem: &Problem<'_>, values: &[f64]) -> Vec<(String, f64
 }
 
 impl Problem<'_> {
-    fn has_sweep(&self) -> bool {
-        self.data.iter().any(|data| matches!(data.rows, Rows::Sweep(_)))
-    }
-
     /// Whether a file has a recorded acceleration.
     fn has_samples(&self) -> bool {
         self.data.iter().any(|data| matches!(data.rows, Rows::Trace { acceleration: Some(_), .. }))

@@ -49,7 +49,7 @@ pub(crate) fn each<I: Sync, T: Send>(items: &[I], job: impl Fn(&I) -> T + Sync) 
 ///
 /// # Errors
 /// The first failure in the order of the items, of those that were begun.
-pub(crate) fn try_each<I: Sync, T: Send>(
+pub fn try_each<I: Sync, T: Send>(
     items: &[I],
     job: impl Fn(&I) -> Result<T, Failure> + Sync,
 ) -> Result<Vec<T>, Failure> {

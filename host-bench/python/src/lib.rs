@@ -20,11 +20,10 @@ use host_bench::command::line::Command;
 use host_bench::command::printed;
 use host_bench::method::{Failure, Options};
 use host_bench::outcome::{Format, Outcome, fields, number, text};
-use host_bench::run::run_scene;
+use host_bench::run::{run_scene, try_each};
 use host_bench::scene_file::{self, Override, Scene};
 use model_core::energy::ResponseMap;
 use model_core::energy::response_map::{Branch, Response};
-use rayon::prelude::*;
 
 #[pymodule(name = "_native")]
 mod native {
@@ -154,7 +153,7 @@ fn sweep(
             options.check_scene(&scene)?;
             Ok(scene)
         };
-        let scenes: Result<Vec<Scene>, Failure> = points.par_iter().map(read).collect();
+        let scenes = try_each(&points, read)?;
         let run = |scene: &Scene| {
             if stopped.load(Ordering::Relaxed) {
                 return Err(Failure::Step("stopped by a signal".to_owned()));
@@ -165,7 +164,7 @@ fn sweep(
                 Err(failure) => Ok(text(&serde_json::json!({ "error": failure.to_string() }), Format::Json)),
             }
         };
-        scenes?.par_iter().map(run).collect()
+        try_each(&scenes, run)
     })
 }
 

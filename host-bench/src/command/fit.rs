@@ -72,7 +72,10 @@ pub(super) fn run(arguments: &FitArguments) -> Result<(), Failure> {
     check_keys(&keys, &[NODE, ("fit", "[fit] is no part of the model")])?;
     let data = if arguments.data.is_empty() { table.data } else { arguments.data.clone() };
     let outputs = Outputs::of(file, overrides)?.and(&data);
-    arguments.check_outputs(&outputs)?;
+    for path in arguments.output.iter().chain(&arguments.beside()) {
+        outputs.check("--output", path)?;
+    }
+    outputs.check_picture("--picture", &arguments.picture)?;
     let is_drawn = arguments.output.is_some() || arguments.picture.is_some();
     let (options, resample_hz) = (*options, arguments.resample_hz);
     if let Some(rate) = resample_hz.filter(|rate| !(1e-3..=1e6).contains(rate)) {
@@ -103,31 +106,20 @@ pub(super) fn run(arguments: &FitArguments) -> Result<(), Failure> {
 }
 
 impl FitArguments {
-    fn of_table(&self, error: &str) -> Failure {
-        Failure::Input(format!("{}: fit.{error}", self.scene.scene.display()))
-    }
-
     /// The free keys: those of the options, else those of the table.
     fn free(&self, table: &Fit) -> Result<Vec<Asked>, Failure> {
         if !self.free.is_empty() {
             return Ok(self.free.clone());
         }
-        let asked = table
-            .free
-            .iter()
-            .map(|text| text.parse().map_err(|error| self.of_table(&format!("free: {text:?}: {error}"))));
+        let scene = self.scene.scene.display();
+        let asked = table.free.iter().map(|text| {
+            text.parse().map_err(|error| Failure::Input(format!("{scene}: fit.free: {text:?}: {error}")))
+        });
         asked.collect()
     }
 
     fn beside(&self) -> Option<PathBuf> {
         self.output.as_deref().and_then(beside)
-    }
-
-    fn check_outputs(&self, outputs: &Outputs) -> Result<(), Failure> {
-        for path in self.output.iter().chain(&self.beside()) {
-            outputs.check("--output", path)?;
-        }
-        outputs.check_picture("--picture", &self.picture)
     }
 
     /// Writes the pictures, and the fitted scene where there is one.

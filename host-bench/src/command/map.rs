@@ -145,44 +145,32 @@ pub(super) fn run(arguments: &MapArguments) -> Result<(), Failure> {
 /// The targets of a map that it misses, as warnings; `median` is that of the relative error.
 fn missed(agreement: &Agreement, median: f64) -> impl Iterator<Item = String> {
     let [largest, bounds, regime] = TARGETS;
-    let percent = |value: f64| 100.0 * value;
-    let error = |name: &str, found: f64, target: f64| {
-        (found > target).then(|| {
-            format!(
-                "{name} of the relative error is {:.2} %, the target is {} %: the bounds in the map allow for it",
-                percent(found),
-                // Without what the factor rounds.
-                (1e6 * target).round() / 1e4
-            )
-        })
-    };
-    let share = |what: &str, found: f64, target: f64, then: &str| {
-        (found < target).then(|| {
-            format!(
-                "{what} at {:.1} % of the places, the target is {:.0} %: {then}",
-                percent(found),
-                percent(target)
-            )
-        })
-    };
-    [
-        error("the median", agreement.median, median),
-        error("the 90th percentile", agreement.percentile_90, largest),
-        share(
+    let errors =
+        [("the median", agreement.median, median), ("the 90th percentile", agreement.percentile_90, largest)];
+    let shares = [
+        (
             "the bounds hold",
             agreement.bounds_hold,
             bounds,
             "an output power outside them is more likely than they say",
         ),
-        share(
+        (
             "far from the boundaries the motions of the map are right",
             agreement.regime_right,
             regime,
             "a node may count on a motion that is not there",
         ),
-    ]
-    .into_iter()
-    .flatten()
+    ];
+    let errors = errors.into_iter().filter(|(_, found, target)| found > target).map(|(name, found, target)| {
+        // Without what the factor rounds.
+        let (found, target) = (100.0 * found, (1e6 * target).round() / 1e4);
+        format!("{name} of the relative error is {found:.2} %, the target is {target} %: the bounds in the map allow for it")
+    });
+    let shares = shares.into_iter().filter(|(_, found, target, _)| found < target);
+    errors.chain(shares.map(|(what, found, target, then)| {
+        let [found, target] = [found, target].map(|value| 100.0 * value);
+        format!("{what} at {found:.1} % of the places, the target is {target:.0} %: {then}")
+    }))
 }
 
 /// A remark on a map whose frequencies do not have the resonance.

@@ -29,7 +29,7 @@ pub(super) struct Parts {
     part: Option<Part>,
     /// Take the points that N parts have kept in --output; all must be there, of this build and of these arguments
     #[arg(long, value_name = "N", requires = "output", value_parser = count::<usize>(1..=MOST_PARTS))]
-    merge: Option<usize>,
+    pub(super) merge: Option<usize>,
 }
 
 /// Most parts: a grid has no more points.
@@ -71,11 +71,6 @@ impl Part {
 }
 
 impl Parts {
-    /// Whether either option is given.
-    pub(super) fn are_given(self) -> bool {
-        self.is_one() || self.merge.is_some()
-    }
-
     /// Whether the command does one part.
     pub(super) fn is_one(self) -> bool {
         self.part.is_some()
@@ -120,8 +115,6 @@ pub(super) struct Kind<'a> {
     pub(super) option: &'a str,
     /// Its first line, without the line break and without [`CHECKSUM`].
     pub(super) heading: &'a str,
-    /// How the first line began before there were checksums.
-    pub(super) earlier: &'a str,
     /// What to say of a file with another first line.
     pub(super) other: &'a str,
 }
@@ -139,10 +132,7 @@ impl Kind<'_> {
         if heading.starts_with(&*text) || text.starts_with(heading) {
             return Ok(text.into_owned());
         }
-        let first = text.lines().next().unwrap_or_default();
-        let is_earlier = first.starts_with(self.earlier) && !first.ends_with(CHECKSUM);
-        let reason = "has rows without checksums, of an earlier version: remove it, or give another";
-        Err(refuse(if is_earlier { reason } else { self.other }))
+        Err(refuse(self.other))
     }
 }
 
@@ -285,8 +275,7 @@ mod tests {
     use super::*;
 
     fn open(path: &Path) -> Result<Vec<usize>, String> {
-        let kind =
-            Kind { option: "--output", heading: "number,cell", earlier: "number,", other: "is another" };
+        let kind = Kind { option: "--output", heading: "number,cell", other: "is another" };
         let read = |row: &str| Some((row.split_once(',')?.0.parse().ok()?, ()));
         let opened = Rows::open(path, (Parts::default(), 0), kind, read, |_| Ok(()));
         opened.map(|(_, known)| known.into_keys().collect()).map_err(|error| error.to_string())
@@ -314,9 +303,9 @@ mod tests {
             assert_eq!(open(&path), Ok(numbers), "{before}");
             assert_eq!(fs::read_to_string(&path).expect("it is there"), after, "{before}");
         }
-        for (text, reason) in [("number,cell\n1,a\n", "of an earlier version"), ("a,b\n", "is another")] {
+        for text in ["number,cell\n1,a\n", "a,b\n"] {
             fs::write(&path, text).expect("a file");
-            assert!(open(&path).is_err_and(|error| error.contains(reason)), "{text}");
+            assert!(open(&path).is_err_and(|error| error.contains("is another")), "{text}");
             assert_eq!(fs::read_to_string(&path).expect("it is there"), text);
         }
         assert_eq!(fs::read_dir(&folder).expect("the folder").count(), 1, "nothing is left beside it");

@@ -8,7 +8,7 @@ use comfy_table::presets;
 
 use super::files::{Outputs, make_folder, report_folder};
 use super::rows::{self, Parts, Rows};
-use super::{SHIPPED_SCENES, count, json_text, one_more, print, progress};
+use super::{SHIPPED_SCENES, count, json_text, one_more, print, with_progress};
 use crate::method::Failure;
 use crate::outcome::Format;
 use crate::run::try_each;
@@ -77,7 +77,7 @@ pub(super) fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
     let outputs = Outputs::of_shipped(SHIPPED_SCENES);
     let (output, parts) = (arguments.output.as_deref(), arguments.parts);
     output.iter().try_for_each(|file| outputs.check(OUTPUT, &parts.file(file)))?;
-    if parts.are_given() && arguments.random.is_none() {
+    if (parts.is_one() || parts.merge.is_some()) && arguments.random.is_none() {
         return Err(Failure::Input("--part, --merge: must be with --random".to_owned()));
     }
     let folder = arguments.report.clone().unwrap_or_else(|| report_folder().join("stability"));
@@ -144,14 +144,13 @@ fn run_days(kind: Option<Kind>, format: Format) -> Result<(), Failure> {
     let pairs = pairs(kind, DAY_S);
     let runs: Vec<(usize, usize)> =
         (0..pairs.len()).flat_map(|pair| [0, 1].map(|precision| (pair, precision))).collect();
-    let bar = progress(runs.len());
-    let outcomes = try_each(&runs, |&(pair, precision)| {
-        let outcome = pairs[pair].run(precision);
-        one_more(&bar);
-        outcome
-    });
-    bar.finish_and_clear();
-    let outcomes = outcomes?;
+    let outcomes = with_progress(runs.len(), |bar| {
+        try_each(&runs, |&(pair, precision)| {
+            let outcome = pairs[pair].run(precision);
+            one_more(bar);
+            outcome
+        })
+    })?;
     let both = outcomes.chunks_exact(2).zip(&pairs);
     let compared = both.map(|(runs, pair)| pair.compared([&runs[0], &runs[1]]));
     let rows = compared.collect::<Result<Vec<Compared>, Failure>>()?;
@@ -176,20 +175,20 @@ fn judged(
     };
     let is_left = |(number, _): &(usize, &Case)| is_asked(*number) && !done.contains_key(number);
     let left: Vec<(usize, &Case)> = cases.iter().enumerate().filter(is_left).collect();
-    let bar = progress(left.len());
     let mut groups: Vec<&[(usize, &Case)]> =
         left.chunk_by(|(_, one), (_, other)| one.is_twin_of(other)).collect();
     // Cases of like cost are beside each other: shuffled, the time that is left follows from the time that is gone.
     groups.sort_by_key(|group| group.first().map_or(0, |(number, _)| (*number as u64).wrapping_mul(SHUFFLE)));
-    let new = try_each(&groups, |twins| {
-        let number = twins.first().map_or(0, |(number, _)| *number);
-        let rows = Finding::judged(twins, effort(number));
-        rows.iter().for_each(|_| one_more(&bar));
-        file.as_ref().map_or(Ok(()), |file| file.append(rows.iter().map(Finding::line)))?;
-        Ok(rows)
-    });
-    bar.finish_and_clear();
-    let mut rows: Vec<Finding> = done.into_values().chain(new?.into_iter().flatten()).collect();
+    let new = with_progress(left.len(), |bar| {
+        try_each(&groups, |twins| {
+            let number = twins.first().map_or(0, |(number, _)| *number);
+            let rows = Finding::judged(twins, effort(number));
+            rows.iter().for_each(|_| one_more(bar));
+            file.as_ref().map_or(Ok(()), |file| file.append(rows.iter().map(Finding::line)))?;
+            Ok(rows)
+        })
+    })?;
+    let mut rows: Vec<Finding> = done.into_values().chain(new.into_iter().flatten()).collect();
     rows.sort_by_key(|row| row.number);
     Ok(rows)
 }
@@ -200,7 +199,6 @@ fn taken_up(path: &Path, parts: Parts, cases: &[Case]) -> Result<(Rows, BTreeMap
     let kind = rows::Kind {
         option: OUTPUT,
         heading: heading.trim_end(),
-        earlier: heading.trim_end(),
         other: "must be a file of stability, or not be there",
     };
     let read = |line: &str| {

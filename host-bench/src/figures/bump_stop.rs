@@ -8,7 +8,7 @@ mod shapes;
 
 pub use self::motion::{CONTACT_FORCE, Motion, ROD, STOP_POINT, TIP, VOLTAGE};
 
-use super::{Chapter, Figure, Panel, each, shipped, sine};
+use super::{Chapter, Figure, Panel, shipped, sine, try_each_counted};
 use crate::method::{Failure, Options};
 use crate::report::setting::setting;
 use crate::scene_file::Scene;
@@ -35,7 +35,7 @@ pub fn runs() -> usize {
 pub fn build(done: &(dyn Fn() + Sync)) -> Result<Chapter, Failure> {
     let all = |names: &[&str]| names.iter().map(|name| shipped(name)).collect::<Result<Vec<Scene>, _>>();
     let (scenes, stiff) = (all(&SCENES)?, all(&STIFF)?);
-    let motions = each(&scenes, done, Motion::of)?;
+    let motions = try_each_counted(&scenes, done, Motion::of)?;
     let charged = charging::of(&shipped(CHARGING)?, &scenes, done)?;
     let ([tip, mid, none], [tip_store, mid_store, no_stop_store]) = (&motions[..], &charged[..]) else {
         return Err(Failure::Input("three scenes were run".to_owned()));

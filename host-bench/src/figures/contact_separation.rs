@@ -7,7 +7,7 @@ mod response;
 use self::motion::{Case, FREQUENCIES, Grid};
 use self::response::{Sweep, diagram, pairs, sweeps};
 
-use super::{Chapter, Figure, Panel, each, sine, table};
+use super::{Chapter, Figure, Panel, sine, table, try_each_counted};
 use crate::method::Failure;
 use crate::scene_file::{GRAVITY, Scene};
 

@@ -8,7 +8,7 @@ mod resonance;
 
 pub(crate) use self::resonance::{Case, Peak};
 
-use super::{Chapter, Figure, Panel, each, sine};
+use super::{Chapter, Figure, Panel, sine, try_each_counted};
 use crate::method::{Failure, Options};
 use crate::report::setting::with_unit;
 use crate::scene_file::{GRAVITY, Scene};
@@ -34,8 +34,8 @@ pub(crate) fn build(base: &Scene, done: &(dyn Fn() + Sync)) -> Result<Chapter, F
          resistances and acceleration are chosen."
     );
     let of = [base_g.as_str(), &note];
-    let curves = each(&resonance::cases(), done, |case| resonance::Response::of(base, case))?;
-    let peaks = each(&resistance::cases(), done, |case| case.peak(base))?;
+    let curves = try_each_counted(&resonance::cases(), done, |case| resonance::Response::of(base, case))?;
+    let peaks = try_each_counted(&resistance::cases(), done, |case| case.peak(base))?;
     let figures = vec![
         resonance::three(&curves, of),
         resonance::four(&curves, of),

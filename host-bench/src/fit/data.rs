@@ -7,7 +7,7 @@ use crate::command::note;
 use crate::input::{self, MOST_OF_DATA, repeated};
 use crate::method::Failure;
 use crate::outcome::shown;
-use crate::scene_file::{Delimiter, GRAVITY, Model, Numbers, Scene, resampled};
+use crate::scene_file::{Delimiter, GRAVITY, Model, Numbers, Scene, resample};
 
 /// Columns that a sweep may measure, and the kind of scene that has them.
 const SWEEP: [(&str, Option<&str>); 6] = [
@@ -304,22 +304,15 @@ fn trace(table: &Table<'_>, scene: &Scene, resample_hz: Option<f64>) -> Result<D
         if let Some(column) = columns.iter().find(|column| column.std.is_some()) {
             return table.refuse(&format!("column {}{STD}: must not be with --resample", column.name));
         }
-        for values in columns.iter_mut().map(|column| &mut column.values).chain(&mut acceleration) {
-            *values = resampled((&times, &lines), values, rate_hz)
-                .or_else(|reason| table.refuse(&format!("--resample {rate_hz}: {reason}")))?;
-        }
+        let all = columns.iter_mut().map(|column| &mut column.values).chain(&mut acceleration);
+        let [moved, filled] = resample((&times, &lines), all, rate_hz)
+            .or_else(|reason| table.refuse(&format!("--resample {rate_hz}: {reason}")))?;
+        let (file, count) = (table.file.display(), columns[0].values.len());
+        note(&format!("{file}: of {count} samples {moved} are moved to even times, {filled} fill gaps"));
         // The last row before each time.
         let row = |index: usize| {
             times.partition_point(|time| *time <= times[0] + (index as f64 + 0.01) / rate_hz) - 1
         };
-        let count = columns[0].values.len();
-        let shift = |index: usize| {
-            let time = times[0] + index as f64 / rate_hz;
-            times[row(index)..].iter().take(2).fold(f64::INFINITY, |least, at| least.min((at - time).abs()))
-        };
-        let moved = (0..count).filter(|index| shift(*index) * rate_hz > 0.01).count();
-        let (file, most) = (table.file.display(), shown(&(0..count).map(shift).fold(0.0, f64::max).into()));
-        note(&format!("{file}: of {count} samples {moved} are moved to even times, by at most {most} s"));
         lines = (0..count).map(|index| lines[row(index)]).collect();
     }
     Ok(Data { file: table.file.to_owned(), rows: Rows::Trace { spacing_s, acceleration }, columns, lines })

@@ -74,11 +74,6 @@ impl Evaluation {
             (0..data.count()).filter(move |row| !self.has_orbit(file, *row)).map(move |row| (file, row))
         })
     }
-
-    /// Number of these rows.
-    pub(crate) fn lacks_orbits(&self, data: &[Data]) -> usize {
-        self.rows_without_orbit(data).count()
-    }
 }
 
 /// From where each row of a sweep is run.
@@ -238,7 +233,7 @@ impl<'a> Problem<'a> {
     /// fails on one side, and 0 where it fails on both. The differences go beyond a bound that was asked for.
     pub(crate) fn jacobian(&self, at: &[f64], base: &Evaluation, step: f64) -> Vec<Vec<f64>> {
         let near = self.differences(at, base, step, Begin::Near(base));
-        if base.lacks_orbits(&self.data) == 0 {
+        if base.rows_without_orbit(&self.data).next().is_none() {
             return near;
         }
         let wide = self.differences(at, base, WIDE, Begin::WithoutOrbit(base));

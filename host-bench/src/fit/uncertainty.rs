@@ -221,16 +221,12 @@ impl Unfollowed {
         large.into_iter().map(of_column).collect()
     }
 
-    /// Whether one of the ratios is that of a prefix of a unit.
-    fn is_of_a_unit(&self) -> bool {
-        self.ratios.iter().flatten().any(|ratio| is_near_a_power_of_a_thousand(*ratio))
-    }
-
     pub(super) fn text(&self) -> String {
         let shown =
             |ratio: Option<f64>| ratio.map_or_else(|| "unknown".to_owned(), |ratio| format!("{ratio:.3e}"));
         let [solution, start] = self.ratios.map(shown);
-        let unit = if self.is_of_a_unit() { "; check its unit" } else { "" };
+        let is_of_a_unit = self.ratios.iter().flatten().any(|ratio| is_near_a_power_of_a_thousand(*ratio));
+        let unit = if is_of_a_unit { "; check its unit" } else { "" };
         format!(
             "the model does not follow {}: its relative residual is {:.3}; the median ratio of data to model is {solution}, at \
              the start {start}{unit}",

@@ -101,7 +101,8 @@ impl Weights {
                 let taken: f64 = leverage[from..from + count].iter().sum();
                 let freedom = (count as f64 - taken).max(0.5);
                 let scatter = |residuals: &[f64]| {
-                    if robust { of_median(residuals) } else { of_squares(residuals, freedom) }
+                    let squares = || residuals.iter().map(|residual| residual * residual).sum::<f64>();
+                    if robust { of_median(residuals) } else { (squares() / freedom).sqrt() }
                 };
                 let (absolute, of_value) = (scatter(&residuals), scatter(&relative));
                 let logarithms: f64 = least.iter().map(|value| value.ln()).sum();
@@ -144,10 +145,6 @@ impl Weights {
 fn rms(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = values.len() as f64;
     (values.map(|value| value * value).sum::<f64>() / count).sqrt()
-}
-
-fn of_squares(residuals: &[f64], freedom: f64) -> f64 {
-    (residuals.iter().map(|residual| residual * residual).sum::<f64>() / freedom).sqrt()
 }
 
 /// The scatter by the median magnitude, on which outliers have no effect.

@@ -39,7 +39,7 @@ pub fn run(workload: &mut dyn Native) -> Result<Vec<Sample>, Error> {
 /// # Errors
 ///
 /// The first error of `run`, or if the parameters of a workload are refused.
-pub fn each<T>(
+pub(crate) fn each_workload<T>(
     workloads: impl FnOnce(Visit<'_>) -> Option<()>,
     mut run: impl FnMut(&mut dyn Native) -> Result<T, Error>,
 ) -> Result<Vec<T>, Error> {
@@ -61,7 +61,7 @@ pub fn each<T>(
 /// At the first difference.
 pub fn compare(core: Core, measured: &[Workload], variant: &Variant) -> Result<usize, Error> {
     let mut measured = measured.iter();
-    let compared = each(variant.workloads, |native| match measured.next() {
+    let compared = each_workload(variant.workloads, |native| match measured.next() {
         Some(measured) => compare_one(core, measured, native),
         None => Err(Error::on(core, format!("no workload {}", native.name()))),
     });

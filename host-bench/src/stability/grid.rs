@@ -89,7 +89,7 @@ const FORCE_LAWS: [&str; 2] = ["transferred-charge", "gap-field"];
 const NO_FORCE: &str = "none";
 
 /// Each case with each of these values of a key; the first key varies slowest.
-fn each(cases: &[Case], key: &str, values: &[f64]) -> Vec<Case> {
+fn each_number(cases: &[Case], key: &str, values: &[f64]) -> Vec<Case> {
     cases.iter().flat_map(|case| values.iter().map(|value| case.clone().with_number(key, *value))).collect()
 }
 
@@ -105,8 +105,8 @@ fn each_law(cases: &[Case]) -> Vec<Case> {
 
 /// Charges at the start that small loads take up within nanoseconds, in a triboelectric scene.
 fn start_charges(base: &Case) -> Vec<Case> {
-    let charged = each(std::slice::from_ref(base), "initial.charge_c", &[1e-8, -1e-9]);
-    let cases = each_law(&each(&charged, "load.resistance_ohm", &[0.1, 10.0, 1e3, 1e6]));
+    let charged = each_number(std::slice::from_ref(base), "initial.charge_c", &[1e-8, -1e-9]);
+    let cases = each_law(&each_number(&charged, "load.resistance_ohm", &[0.1, 10.0, 1e3, 1e6]));
     // The charge is delivered at the start, which the window contains.
     each_word(&cases, "run", &["{duration_periods=16,settle_periods=0}"])
 }

@@ -154,7 +154,8 @@ pub(crate) fn compare(case: Case, progress: &dyn Fn(&str)) -> Result<Comparison,
         .map(|&method| ladder(&scene, method, mean_power_w, &|setting| blank(method, setting)))
         .collect();
     let timed = began.elapsed().as_secs_f64();
-    let by_count = available();
+    let version = Command::new("valgrind").arg("--version").output();
+    let by_count = version.is_ok_and(|output| output.status.success());
     if by_count {
         count(&case, &methods, &mut rows)?;
     }
@@ -237,12 +238,6 @@ fn count(case: &Case, methods: &[Method], rows: &mut [Vec<Row>]) -> Result<(), F
 
 /// The subcommand that makes one run.
 const RUN_ONE: &str = "work-precision-row";
-
-/// Whether instructions can be counted.
-fn available() -> bool {
-    let version = Command::new("valgrind").arg("--version").output();
-    version.is_ok_and(|output| output.status.success())
-}
 
 /// Counts the instructions of a method on a case, less those of a run of no duration.
 struct Counter<'a> {

@@ -173,18 +173,23 @@ pub(super) fn path(section: &mut Section<'_>) -> Option<PathBuf> {
 /// Samples in m/s², their rate in Hz, and how many were moved to even times and how many fill gaps.
 type Samples = (Vec<f64>, f64, Option<[usize; 2]>);
 
-/// Samples of these times in s and lines of a file at even times of a rate in Hz from the first one on, as by `resample_hz`; up to
-/// two missing ones are filled.
+/// Brings columns of samples of these times in s and lines of a file to even times of a rate in Hz from the first one on, as by
+/// `resample_hz`; up to two missing ones are filled. Gives how many were moved, and how many fill gaps.
 ///
 /// # Errors
 /// Why they cannot be resampled.
-pub fn resampled(
+pub fn resample<'c>(
     (times, lines): (&[f64], &[u64]),
-    samples: &[f64],
+    columns: impl Iterator<Item = &'c mut Vec<f64>>,
     rate_hz: f64,
-) -> Result<Vec<f64>, String> {
+) -> Result<[usize; 2], String> {
     let times = clock::Times { seconds: times.to_owned(), lines: lines.to_owned() };
-    times.resampled(samples, (rate_hz, 2), "time_s").map(|found| found.0).map_err(|fault| fault.text)
+    let mut counts = None;
+    for samples in columns {
+        (*samples, _, counts) =
+            times.resampled(samples, (rate_hz, 2), "time_s").map_err(|fault| fault.text)?;
+    }
+    Ok(counts.unwrap_or_default())
 }
 
 /// Reads the keys of an excitation from a file, and the file.

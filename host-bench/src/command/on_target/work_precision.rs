@@ -192,7 +192,7 @@ fn double_precision(case: &Case) -> Options {
 /// Relative errors of the sliding runs under `plan`, on the host, which computes the core's bits.
 fn sliding_host_errors(plan: Plan) -> Result<Vec<Option<f64>>, Error> {
     let reference = Reference::new(&crate::on_target::native::scene("sliding", &plan, SETTLE_S)?)?;
-    native::each(
+    native::each_workload(
         |visit| sliding::precision_of(plan, visit),
         |workload| Ok(reference.power_error(&native::run(workload)?)),
     )

@@ -31,7 +31,6 @@ impl Rows {
         let kind = Kind {
             option: "--output",
             heading: &json!({ command: identity }).to_string(),
-            earlier: "{\"sweep\":",
             other: &format!(
                 "has the points of another {command}, or of another build; remove it, or give another folder"
             ),

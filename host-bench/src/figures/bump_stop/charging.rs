@@ -1,6 +1,6 @@
 //! Figure 11: charging a storage capacitor through a full bridge.
 
-use super::{Figure, Panel, each};
+use super::{Figure, Panel, try_each_counted};
 use crate::method::{Failure, Options};
 use crate::outcome::{csv, number};
 use crate::report::chart::{Axis, Chart, Curve, Mark};
@@ -31,7 +31,7 @@ pub(super) fn of(
     let Load::RectifiedStore(store) = charging.load else {
         return Err(Failure::of_file(charging, "load.kind must be \"rectified-store\""));
     };
-    each(scenes, done, |scene| {
+    try_each_counted(scenes, done, |scene| {
         let scene = Scene { load: charging.load, run: charging.run, ..scene.clone() };
         let outcome = run_scene(&scene, &Options { trace_every_s: Some(EVERY_S), ..Options::default() })?;
         let rows = outcome.trace.map(|trace| trace.rows).unwrap_or_default();

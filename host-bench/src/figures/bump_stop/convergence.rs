@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::{Figure, Panel, each};
+use super::{Figure, Panel, try_each_counted};
 use crate::method::{Failure, Options};
 use crate::outcome::{csv, number};
 use crate::report::chart::{Axis, Chart, Curve, Mark};
@@ -100,7 +100,7 @@ pub(super) fn in_modes(scenes: [&Scene; 2], done: &(dyn Fn() + Sync)) -> Result<
         cases.extend(ROD.into_iter().rev().flat_map(|rod| [[0, rod, beam], [1, rod, beam]]));
     }
     let options = Options::default();
-    let mut points = each(&cases, done, |&[place, rod, beam]| {
+    let mut points = try_each_counted(&cases, done, |&[place, rod, beam]| {
         let contact = Contact::ResidualFlexibility;
         Ok(([place, rod, beam], found(scenes[place], (beam, rod), contact, MODES_RUN, &options)?))
     })?;
@@ -115,7 +115,7 @@ pub(super) type StepPoint = ((usize, f64), ConvergenceRun);
 pub(super) fn in_step(scene: &Scene, done: &(dyn Fn() + Sync)) -> Result<Vec<StepPoint>, Failure> {
     let cases: Vec<(usize, f64)> =
         STEPS.into_iter().flat_map(|step_s| (0..LAWS.len()).map(move |law| (law, step_s))).collect();
-    each(&cases, done, |&(law, step_s)| {
+    try_each_counted(&cases, done, |&(law, step_s)| {
         let long_step_s = Some(LONG_STEP_S.max(step_s));
         let options = Options { step_s: Some(step_s), long_step_s, ..Options::default() };
         Ok(((law, step_s), found(scene, STEP_MODES, LAWS[law].0, STEP_RUN, &options)?))

@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use super::motion::{CONTACT_FORCE, Motion, ROD, STOP_POINT, options, spanned};
-use super::{Figure, Panel, each};
+use super::{Figure, Panel, try_each_counted};
 use crate::embedded::{DeflectedShape, ShapePoint, deflected_shapes};
 use crate::method::Failure;
 use crate::outcome::{csv, number};
@@ -27,7 +27,7 @@ pub(super) struct Cluster {
 
 /// With the stop at the tip and at mid-span.
 pub(super) fn of(motions: [(&Scene, &Motion); 2], done: &(dyn Fn() + Sync)) -> Result<Vec<Cluster>, Failure> {
-    each(&motions, done, |&(scene, motion)| {
+    try_each_counted(&motions, done, |&(scene, motion)| {
         let [first, last] =
             motion.longest_cluster().ok_or_else(|| Failure::of_file(scene, "there must be a contact"))?;
         let instants = PARTS.map(|part| first + part * (last - first));

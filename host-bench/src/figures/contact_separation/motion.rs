@@ -3,7 +3,7 @@
 
 use plotters::style::RGBColor;
 
-use super::{Figure, Panel, SETTLE, each};
+use super::{Figure, Panel, SETTLE, try_each_counted};
 use crate::figures::sine;
 use crate::method::{Failure, Options, Precision};
 use crate::outcome::{ContactSeparationOutcome, Outcome, Particular, csv, number};
@@ -196,7 +196,7 @@ pub(super) fn nine(
     for pair in &PAIRS {
         strips.extend(pair.strips.map(|(frequency, _)| (frequency, END - pair.periods)));
     }
-    let histories = each(&strips, done, |&(frequency, from)| {
+    let histories = try_each_counted(&strips, done, |&(frequency, from)| {
         let case = Case { charge_density, resistance, frequency, settle: SETTLE };
         case.motion(base, tolerance, PER_PERIOD, from)
     })?;

@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use super::motion::{Case, Grid, Response, WINDOW};
-use super::{DIAGRAM_SETTLE, Figure, Panel, SETTLE, each, table};
+use super::{DIAGRAM_SETTLE, Figure, Panel, SETTLE, table, try_each_counted};
 use crate::method::Failure;
 use crate::outcome::{csv, number, optional_number};
 use crate::report::chart::{Axis, Chart, Curve, Mark};
@@ -87,7 +87,7 @@ pub(crate) fn sweeps(
             grid.frequencies().map(case)
         })
         .collect();
-    let responses = each(&cases, done, |case| case.response(base, tolerance))?;
+    let responses = try_each_counted(&cases, done, |case| case.response(base, tolerance))?;
     let parts = responses.chunks(grid.frequencies().count().max(1));
     let sweep = |(&(charge_density, resistance), responses): (&(f64, f64), &[Response])| Sweep {
         charge_density,
@@ -223,7 +223,7 @@ pub(crate) fn diagram(
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<(f64, Vec<f64>)>, Failure> {
     let frequencies: Vec<f64> = grid.frequencies().collect();
-    each(&frequencies, done, |&frequency| {
+    try_each_counted(&frequencies, done, |&frequency| {
         let case = Case { charge_density, resistance, frequency, settle: DIAGRAM_SETTLE };
         Ok((frequency, case.stroboscopic(base, tolerance)?))
     })

@@ -1,7 +1,8 @@
 //! The contact-separation cases.
 
 use super::{
-    Extent, FORCE_LAWS, Kind, NO_FORCE, each, each_law, each_word, noise, shipped, start_charges, stores,
+    Extent, FORCE_LAWS, Kind, NO_FORCE, each_law, each_number, each_word, noise, shipped, start_charges,
+    stores,
 };
 use crate::stability::Case;
 
@@ -48,10 +49,10 @@ fn over(case: Case, duration_s: f64) -> Case {
 /// Load resistance against charge density, force law, parasitic capacitance and restitution.
 fn resistances(extent: Extent) -> Vec<Case> {
     let ohms: Vec<f64> = extent.thinned(&DECADES, 3).into_iter().map(|decade| 10_f64.powi(decade)).collect();
-    let loads = each(&[base()], "load.resistance_ohm", &ohms);
-    let charged = each(&loads, "parameters.charge_density_c_per_m2", &extent.thinned(&DENSITIES, 2));
+    let loads = each_number(&[base()], "load.resistance_ohm", &ohms);
+    let charged = each_number(&loads, "parameters.charge_density_c_per_m2", &extent.thinned(&DENSITIES, 2));
     let parasitics = extent.thinned(&PARASITICS, 2);
-    let cases = each(&each_law(&charged), "parameters.parasitic_capacitance_f", &parasitics);
+    let cases = each_number(&each_law(&charged), "parameters.parasitic_capacitance_f", &parasitics);
     let constant = |coefficient: f64| format!("{{kind=\"constant\",coefficient={coefficient}}}");
     let restitutions: Vec<String> = extent.thinned(&RESTITUTIONS, 2).into_iter().map(constant).collect();
     let restitutions: Vec<&str> = restitutions.iter().map(String::as_str).collect();
@@ -61,8 +62,8 @@ fn resistances(extent: Extent) -> Vec<Case> {
 /// Load resistance against the frequency of the base, from slow to fast.
 fn frequencies() -> Vec<Case> {
     let of = |frequency_hz: f64| {
-        let loads = each(&[base()], "load.resistance_ohm", &LOADS);
-        let cases = each(&loads, "excitation.frequency_hz", &[frequency_hz]);
+        let loads = each_number(&[base()], "load.resistance_ohm", &LOADS);
+        let cases = each_number(&loads, "excitation.frequency_hz", &[frequency_hz]);
         let without = FORCELESS.contains(&frequency_hz).then_some(NO_FORCE);
         let laws: Vec<&str> = FORCE_LAWS.into_iter().chain(without).collect();
         each_word(&cases, "parameters.force_law", &laws)
@@ -76,7 +77,7 @@ fn small_motions() -> Vec<Case> {
         let moved = base()
             .with_number("excitation.amplitude_g", amplitude_g)
             .with_number("excitation.frequency_hz", frequency_hz);
-        each_law(&each(&[moved], "load.resistance_ohm", &[1e3, 1e6, 1e8]))
+        each_law(&each_number(&[moved], "load.resistance_ohm", &[1e3, 1e6, 1e8]))
     };
     [(1e-3, 5.0), (1e-3, 40.0), (1e-5, 20.0)].into_iter().flat_map(of).map(periods).collect()
 }

@@ -1,7 +1,8 @@
 //! The sliding cases.
 
 use super::{
-    Extent, FORCE_LAWS, Kind, NO_FORCE, each, each_law, each_word, noise, shipped, start_charges, stores,
+    Extent, FORCE_LAWS, Kind, NO_FORCE, each_law, each_number, each_word, noise, shipped, start_charges,
+    stores,
 };
 use crate::stability::Case;
 
@@ -63,8 +64,8 @@ fn rubbing(case: Case, friction: f64) -> Case {
 
 /// Load resistance against charge density, force law, stick charge, friction and base.
 fn resistances(extent: Extent) -> Vec<Case> {
-    let loads = each(&[base()], "load.resistance_ohm", &extent.thinned(&RESISTANCES, 2));
-    let charged = each(&loads, "parameters.charge_density_c_per_m2", &extent.thinned(&DENSITIES, 2));
+    let loads = each_number(&[base()], "load.resistance_ohm", &extent.thinned(&RESISTANCES, 2));
+    let charged = each_number(&loads, "parameters.charge_density_c_per_m2", &extent.thinned(&DENSITIES, 2));
     let stick_charges = extent.thinned(&STICK_CHARGES, 2);
     let cases = each_word(&each_law(&charged), "parameters.stick_charge", &stick_charges);
     let rubbed = cases.into_iter().flat_map(|case| FRICTIONS.map(|friction| rubbing(case.clone(), friction)));
@@ -73,7 +74,7 @@ fn resistances(extent: Extent) -> Vec<Case> {
 
 /// Load resistance against base, without an electrostatic force.
 fn forceless() -> Vec<Case> {
-    let loads = each(&[base()], "load.resistance_ohm", &[1.0, 1e6, 1e8]);
+    let loads = each_number(&[base()], "load.resistance_ohm", &[1.0, 1e6, 1e8]);
     let cases = each_word(&loads, "parameters.force_law", &[NO_FORCE]).into_iter();
     let rubbed = cases.map(|case| rubbing(case, FRICTIONS[2]));
     rubbed.flat_map(|case| DRIVES.map(|drive| driven(case.clone(), drive))).collect()
@@ -81,7 +82,7 @@ fn forceless() -> Vec<Case> {
 
 /// Motions far below the radius of the patch, with little friction.
 fn small_motions() -> Vec<Case> {
-    let cases = each_law(&each(&[base()], "load.resistance_ohm", &[1e3, 1e6, 1e9])).into_iter();
+    let cases = each_law(&each_number(&[base()], "load.resistance_ohm", &[1e3, 1e6, 1e9])).into_iter();
     let rubbed = cases.flat_map(|case| [0.0, 1e-4].map(|friction| rubbing(case.clone(), friction)));
     rubbed.map(|case| driven(case, [0.00981, 5.0])).collect()
 }
