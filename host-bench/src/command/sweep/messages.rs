@@ -36,9 +36,9 @@ fn most_created(points: &[Point]) -> Option<String> {
     Some(format!("at {count} of {} points, the most at {}: {warning}", points.len(), point.place()))
 }
 
-/// The point with the largest mean power, its index, and the power in W; `None` unless there are several points.
+/// The first point with the largest mean power, its index, and the power in W; `None` unless there are several points.
 pub(super) fn best(points: &[Point]) -> Option<(usize, &Point, f64)> {
-    let powers = points.iter().enumerate();
+    let powers = points.iter().enumerate().rev();
     let powers = powers.filter_map(|(index, point)| Some((index, point, point.number("mean_power_w")?)));
     powers.max_by(|one, other| one.2.total_cmp(&other.2)).filter(|_| points.len() > 1)
 }

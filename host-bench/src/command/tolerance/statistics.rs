@@ -97,7 +97,7 @@ pub(super) fn sensitivities(quantity: &[f64], keys: &[Vec<f64>]) -> Sensitivitie
         let without = terms.iter().filter(|(keys, _)| !keys.contains(&key)).map(|(_, column)| column);
         let without = explained(&mut { without });
         Sensitivity {
-            variance_share: all.zip(without).map(|(all, without)| (all - without).max(0.0)),
+            variance_share: all.zip(without).map(|(all, without)| (all - without.max(0.0)).max(0.0)),
             coefficient: Some(own.dot(&sought) / own.norm_squared()).filter(|number| number.is_finite()),
         }
     };
