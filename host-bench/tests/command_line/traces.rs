@@ -117,6 +117,7 @@ fn the_unit_of_a_heading_counts() {
         ("Beschleunigung (g)", 0.2, "scale_m_per_s2 = 9.81"),
         ("acceleration_m_per_s2", 1.962, ""),
         ("a [mm/s²]", 1962.0, ""),
+        ("Acceleration (G)", 0.2, ""),
     ] {
         let found = gap(&peak(heading, factor, scale));
         assert!((found / expected - 1.0).abs() < 1e-9, "{heading}: {found} {expected}");
@@ -126,6 +127,9 @@ fn the_unit_of_a_heading_counts() {
         &["run", &contradicted],
         &["excitation.scale_m_per_s2 = 1", "must be 9.81", "\"Acceleration (g)\""],
     );
+    // A unit that is not known is no factor 1.
+    let unknown = peak("Acceleration (furlong/s²)", 0.2, "scale_m_per_s2 = 1.0");
+    refused(&["run", &unknown], &["excitation.path", "\"Acceleration (furlong/s²)\"", "must be g, mg, m/s²"]);
     let unknown = peak("Acceleration (V)", 0.2, "");
     refused(&["run", &unknown], &["excitation.scale_m_per_s2", "is missing", "(m/s²)"]);
 }

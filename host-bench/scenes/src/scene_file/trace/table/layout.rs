@@ -116,48 +116,68 @@ impl Layout {
 }
 
 /// Units of acceleration, in lower case with `2` for a square, and their size in m/s².
-const UNITS: [(&str, f64); 7] = [
+const UNITS: [(&str, f64); 11] = [
     ("m/s2", 1.0),
     ("m_per_s2", 1.0),
+    ("cm/s2", 1e-2),
+    ("cm_per_s2", 1e-2),
     ("mm/s2", 1e-3),
     ("mm_per_s2", 1e-3),
+    ("ft/s2", 0.3048),
     ("g", GRAVITY),
     ("mg", 1e-3 * GRAVITY),
     ("g0", GRAVITY),
+    ("gn", GRAVITY),
 ];
-/// Ends of what a sensor has for each g or m/s², in lower case.
-const SENSITIVITIES: [&str; 7] = ["v", "lsb", "count", "counts", "pc", "digit", "digits"];
+/// Ends of what a sensor has for each g or m/s², in lower case; and what is no unit in brackets.
+const SENSITIVITIES: [&str; 9] = ["v", "lsb", "count", "counts", "pc", "digit", "digits", "raw", "adc"];
+const NO_UNITS: [&str; 4] = ["x", "y", "z", ""];
 /// Relative difference of a stated scale from the unit of the heading up to which both are the same: other values of g.
 const SAME: f64 = 1e-3;
 
-/// The unit in m/s² of the accelerations in a column with this heading: in brackets, or as its last word.
+/// The unit in m/s² of the accelerations in a column with this heading: in brackets, or as its last word. Not-a-number where
+/// what is in brackets is a unit neither of acceleration nor of a sensor.
 fn unit(heading: &str) -> Option<f64> {
     let lower = heading.to_lowercase().replace("**2", "2").replace("^2", "2").replace('²', "2");
-    let bracketed = lower.trim_end_matches([')', ']']);
-    // A capital G is no unit, and what is counted in something for each g is none of acceleration.
-    let is_capital = heading.trim_end_matches([')', ']', '0']).ends_with('G');
-    let is_sensitivity = |before: &str| {
-        let counted = before.trim_end().strip_suffix('/').map(str::trim_end);
-        counted.is_some_and(|counted| SENSITIVITIES.iter().any(|word| counted.ends_with(word)))
+    let lower = lower.replace("/s/s", "/s2");
+    let size = |name: &str| UNITS.iter().find(|(unit, _)| *unit == name).map(|(_, size)| *size);
+    // What is counted in something for each g is no acceleration.
+    let is_sensor = |name: &str| {
+        name.split('/').any(|part| SENSITIVITIES.iter().any(|word| part.trim_end().ends_with(word)))
     };
-    let size_of = |before: &str, name: &str| {
-        let (_, size) = UNITS.iter().find(|(unit, _)| *unit == name)?;
-        let is_other = is_sensitivity(before) || is_capital && name.starts_with('g');
-        (!is_other).then_some(*size)
-    };
-    if bracketed.len() < lower.len() {
-        let (before, name) = bracketed.rsplit_once(['(', '['])?;
-        return size_of(before, name.trim());
+    let is_sensitivity = |before: &str| before.trim_end().strip_suffix('/').is_some_and(is_sensor);
+    let bracketed = lower.match_indices(['(', '[']).filter_map(|(at, _)| {
+        let name = lower[at + 1..].split(['(', '[', ')', ']']).next().map(str::trim)?;
+        (!NO_UNITS.contains(&name)).then_some((&lower[..at], name))
+    });
+    let bracketed: Vec<Option<f64>> = bracketed
+        .map(|(before, name)| match size(name) {
+            _ if is_sensitivity(before) || is_sensor(name) => None,
+            size => size.or(Some(f64::NAN)),
+        })
+        .collect();
+    let known = bracketed.iter().find(|found| !found.is_some_and(f64::is_nan));
+    if let Some(found) = known.or(bracketed.first()) {
+        return *found;
     }
-    UNITS.iter().find_map(|(name, _)| {
-        let before = lower.strip_suffix(name)?;
-        before.ends_with(['_', ' ', '/']).then(|| size_of(before, name)).flatten()
+    // A capital G at the end may be the name of a channel.
+    let is_capital = heading.trim_end_matches('0').ends_with('G');
+    UNITS.iter().find_map(|(name, size)| {
+        let before = lower.strip_suffix(name).filter(|before| before.ends_with(['_', ' ', '/']))?;
+        (!is_sensitivity(before) && !(is_capital && name.starts_with('g'))).then_some(*size)
     })
 }
 
 /// The acceleration in m/s² for each unit of a column with this heading, of which one or the `stated` scale says it.
 fn scale(heading: &str, stated: Option<f64>, line: u64) -> Result<f64, TraceFault> {
     match (unit(heading), stated) {
+        (Some(unit), _) if unit.is_nan() => {
+            let text = format!(
+                "line {line}: column {heading:?}: its unit in brackets must be g, mg, m/s², cm/s², mm/s² or ft/s²; with {SCALE} \
+                 also V, pC, LSB, counts, digits or raw of a sensor, or none"
+            );
+            Err(TraceFault::new("path", text))
+        }
         (Some(unit), Some(stated)) if !((stated.abs() / unit - 1.0).abs() <= SAME) => {
             let text = format!(
                 "line {line}: must be {unit} by the unit in the heading {heading:?}, or left out, or the heading be without a unit"
@@ -265,14 +285,23 @@ mod tests {
             ("counts / g", None),
             ("LSB/g", None),
             ("Channel G", None),
+            ("Acceleration (G)", Some(9.81)),
+            ("a (gn)", Some(9.81)),
+            ("a (cm/s^2)", Some(1e-2)),
+            ("a [ft/s²] filtered", Some(0.3048)),
+            ("a (x) [m/s/s]", Some(1.0)),
             ("Acceleration (V)", None),
-            ("velocity (m/s)", None),
+            ("Acceleration (mV) (filtered)", None),
+            ("Acceleration (X)", None),
+            ("Acceleration (g RMS)", Some(f64::NAN)),
+            ("velocity (m/s)", Some(f64::NAN)),
             ("jogging", None),
             ("x", None),
             ("", None),
         ] {
             let found = unit(heading);
             let is_same = match (found, expected) {
+                (Some(found), Some(expected)) if expected.is_nan() => found.is_nan(),
                 (Some(found), Some(expected)) => (found / expected - 1.0_f64).abs() < 1e-12,
                 (found, expected) => found.is_none() && expected.is_none(),
             };
