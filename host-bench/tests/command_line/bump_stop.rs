@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use super::tool::{
-    BEAM, BUMP_STOP, MID_SPAN, TIP, accepted, folder, json, number, outcome, place, refused, refused_scene,
-    set,
+    BEAM, BUMP_STOP, MID_SPAN, TIP, accepted, folder, has_keys, json, number, outcome, place, refused,
+    refused_scene, set,
 };
 
 /// Six milliseconds with six modes of the beam and two of the rod, with the first contacts in them.
@@ -19,16 +19,13 @@ fn refused_with(overrides: &[&str], parts: &[&str]) {
 #[test]
 fn json_has_every_key_of_the_contract() {
     let found = outcome(BUMP_STOP, &SHORT);
-    let keys: Vec<&str> = found.as_object().expect("an object").keys().map(String::as_str).collect();
-    let wanted = "scene method precision math duration_s settle_s mean_power_w mean_power_standard_error_w rms_voltage_v \
-                  peak_voltage_v mean_voltage_v delivered_energy_j energy_residual steps rejected_steps \
-                  newton_iterations events processor_s accuracy branches limits smallest_margin impossible_margin warnings beam_natural_frequencies_hz \
-                  rod_natural_frequencies_hz peak_tip_displacement_m \
-                  peak_stop_point_displacement_m contacts contacts_per_period contact_fraction \
-                  first_contact_s peak_force_n mean_force_n clamp_curvature_peak_per_m clamp_curvature_rms_per_m \
-                  clamp_strain_peak clamp_stress_peak_pa clamp_stress_rms_pa clamp_stress_largest_range_pa \
-                  clamp_stress_cycles clamp_stress_equivalent_range_pa piezo_clamp_strain_peak piezo_clamp_stress_peak_pa piezo_clamp_stress_rms_pa";
-    assert_eq!(keys, wanted.split_whitespace().collect::<Vec<_>>());
+    let own = "beam_natural_frequencies_hz rod_natural_frequencies_hz peak_tip_displacement_m \
+               peak_stop_point_displacement_m contacts contacts_per_period contact_fraction first_contact_s \
+               peak_force_n mean_force_n clamp_curvature_peak_per_m clamp_curvature_rms_per_m clamp_strain_peak \
+               clamp_stress_peak_pa clamp_stress_rms_pa clamp_stress_largest_range_pa clamp_stress_cycles \
+               clamp_stress_equivalent_range_pa piezo_clamp_strain_peak piezo_clamp_stress_peak_pa \
+               piezo_clamp_stress_rms_pa";
+    has_keys(&found, false, own);
     assert_eq!(found["scene"], "bump-stop");
     let frequencies = found["beam_natural_frequencies_hz"].as_array().expect("a list");
     let of_rod = found["rod_natural_frequencies_hz"].as_array().expect("a list");
@@ -115,60 +112,6 @@ fn a_trace_of_the_motion_is_written_whole() {
 }
 
 #[test]
-fn a_resistance_out_of_its_bounds() {
-    for value in ["-1", "nan", "1e31", "true"] {
-        let change = format!("load.resistance_ohm={value}");
-        refused_with(&[&change], &[BUMP_STOP, "load.resistance_ohm", value, "0, inf, or"]);
-    }
-}
-
-#[test]
-fn lists_have_a_number_for_each_mode() {
-    for (key, count, bound) in [
-        ("modal_displacement", 10, "from -1e3 to 1e3"),
-        ("modal_velocity", 10, "from -1e6 to 1e6"),
-        ("rod_modal_displacement", 10, "from -1e3 to 1e3"),
-        ("rod_modal_velocity", 10, "from -1e6 to 1e6"),
-    ] {
-        let name = format!("initial.{key}");
-        refused_with(&[&format!("{name}=[1e-9,0]")], &[&name, "must be 10 numbers", "are 2"]);
-        refused_with(&[&format!("{name}=[]")], &[&name, "must be 10 numbers", "are 0"]);
-        refused_with(&[&format!("{name}=1")], &[&name, "= 1", "a list of 10 numbers", bound]);
-        for bad in ["nan", "1e9", "true", "[1]", "\"a\""] {
-            let list = vec!["0"; count - 1].join(",");
-            refused_with(&[&format!("{name}=[{list},{bad}]")], &[&name, "item 9 is", bound]);
-        }
-    }
-    // Without a stop there is no rod.
-    refused_scene(
-        BEAM,
-        &["initial.rod_modal_velocity=[0.0]"],
-        &["initial.rod_modal_velocity", "must be 0 numbers", "are 1"],
-    );
-}
-
-#[test]
-fn a_word_that_is_not_one_of_the_choices() {
-    for (key, choice) in [
-        ("parameters.coupling", "\"two-way\" or \"one-way\""),
-        ("stop.contact", "\"residual-flexibility\" or \"restitution\" or \"displacement-constraint\""),
-    ] {
-        for (value, shown) in [("rigid", "\"rigid\""), ("3", "3"), ("true", "true")] {
-            refused_with(&[&format!("{key}={value}")], &[key, shown, choice]);
-        }
-    }
-}
-
-#[test]
-fn an_unknown_or_missing_key() {
-    for key in ["parameters.extra", "parameters.position_m", "stop.extra", "stop.beam_modes", "initial.gap_m"]
-    {
-        refused_with(&[&format!("{key}=1")], &[BUMP_STOP, key, "unknown key"]);
-    }
-    refused_with(&["stop=1"], &["stop = 1", "must be a table"]);
-}
-
-#[test]
 fn numbers_that_do_not_fit_together() {
     refused_with(
         &["stop.position_m=51e-3"],
@@ -195,6 +138,13 @@ fn numbers_that_do_not_fit_together() {
         &["parameters.beam_length_m = 1e-4", "the frequency of bending mode", "from 0.01 to 1e8"],
     );
     refused_with(&["stop.length_m=1e-4", "stop.young_modulus_pa=1e15"], &["stop.length_m", "of rod mode 1"]);
+    let count = "initial.modal_displacement=[1e-9,0]";
+    refused_with(&[count], &["initial.modal_displacement", "must be 10 numbers", "are 2"]);
+    let last = "initial.modal_velocity=[0,0,0,0,0,0,0,0,0,nan]";
+    refused_with(&[last], &["initial.modal_velocity", "item 9 is", "from -1e6 to 1e6"]);
+    // Without a stop there is no rod.
+    let rod = "initial.rod_modal_velocity=[0.0]";
+    refused_scene(BEAM, &[rod], &["initial.rod_modal_velocity", "must be 0 numbers", "are 1"]);
 }
 
 #[test]
@@ -212,17 +162,12 @@ fn the_reference_refuses_what_has_no_limit_and_the_core_what_it_has_not() {
 #[test]
 fn tip_masses_out_of_bounds_are_refused() {
     for (change, parts) in [
-        ("tip_mass.mass_kg=-1", ["tip_mass.mass_kg", "a number from 0 to 1e3"]),
-        ("tip_mass.rotary_inertia_kg_m2=2e3", ["tip_mass.rotary_inertia_kg_m2", "a number from 0 to 1e3"]),
         ("tip_mass.offset_m=0.6", ["tip_mass.offset_m", "10 lengths of the beam"]),
         ("tip_mass.rotary_inertia_kg_m2=100", ["tip_mass.rotary_inertia_kg_m2", "square of its length"]),
-        ("tip_mass.inertia=1", ["tip_mass.inertia", "unknown key"]),
     ] {
         refused_with(&["tip_mass.mass_kg=1e-3", change], &parts);
     }
     refused_with(&["tip_mass.offset_m=1e-3"], &["tip_mass.mass_kg", "missing"]);
-    refused_with(&["parameters.beam_thickness_m=1"], &["unknown key"]);
-    refused_with(&["tip_mass=1"], &["tip_mass", "table"]);
 }
 
 /// Without a stop there is nothing to penetrate, and the beam is linear: a start to the other side gives the same numbers.

@@ -1,30 +1,6 @@
-//! Values that make no sense, and tables with an unknown key; each key by its bounds is in the tests of the scene files.
+//! Values that make no sense; each key by its bounds, and tables with an unknown key, are in the tests of the scene files.
 
 use super::tool::{SHIPPED, file, folder, refused, refused_with};
-
-#[test]
-fn a_resistance_may_be_nothing_or_infinite_but_not_negative_or_absurd() {
-    for value in ["-1", "-inf", "nan", "1e31", "1e-10", "1e999", "true"] {
-        let change = format!("load.resistance_ohm={value}");
-        refused_with(&[&change], &["load.resistance_ohm", value, "0, inf, or a number from 1e-9 to 1e30"]);
-    }
-}
-
-#[test]
-fn a_word_that_is_not_one_of_the_choices() {
-    for (key, choice) in [
-        ("scene", "\"contact-separation\" or \"sliding\" or \"bump-stop\""),
-        ("parameters.force_law", "\"transferred-charge\" or \"gap-field\""),
-        ("parameters.stick_charge", "\"frozen\" or \"relaxing\""),
-        ("parameters.restitution.kind", "\"constant\" or \"velocity-dependent\""),
-        ("load.kind", "\"resistor\""),
-        ("excitation.kind", "\"sine\" or \"sines\" or \"file\" or \"half-sine\""),
-    ] {
-        for (value, shown) in [("Exact", "\"Exact\""), ("3", "3"), ("\"\"", "\"\""), ("true", "true")] {
-            refused_with(&[&format!("{key}={value}")], &[key, shown, choice]);
-        }
-    }
-}
 
 #[test]
 fn a_bridge_without_its_numbers() {
@@ -49,31 +25,6 @@ fn a_draw_that_has_no_consistent_switching() {
         ("{kind='lamp'}", "\"none\" or \"resistor\" or \"current\" or \"power\""),
     ] {
         refused_with(&[&format!("load={{kind='rectified-store',{store},draw={draw}}}")], &[told]);
-    }
-}
-
-#[test]
-fn an_unknown_key_at_any_level() {
-    let keys = "extra extra.deep.key parameters.extra parameters.mass parameters.restitution.coefficient load.extra load.draw.kind \
-                excitation.extra excitation.repeat run.extra initial.voltage_v";
-    for key in keys.split(' ') {
-        refused_with(&[&format!("{key}=1")], &[SHIPPED, key, "1", "unknown key"]);
-    }
-    refused_with(
-        &["excitation={kind=\"sines\",tones=[{amplitude_g=0.1,frequency_hz=20,extra=1}]}"],
-        &["excitation.tones[0].extra = 1", "unknown key"],
-    );
-    refused_with(&["excitation={kind=\"silence\",frequency_hz=1}"], &["excitation.frequency_hz", "unknown"]);
-}
-
-#[test]
-fn a_table_that_is_none() {
-    for key in ["parameters", "parameters.restitution", "load", "excitation", "run", "initial"] {
-        refused_with(&[&format!("{key}=1")], &[&format!("{key} = 1"), "must be a table"]);
-    }
-    for (tones, shown) in [("1", "1"), ("[]", "[a list of 0]"), ("[1]", "[a list of 1]")] {
-        let change = format!("excitation={{kind=\"sines\",tones={tones}}}");
-        refused_with(&[&change], &["excitation.tones", shown, "a list of tables, at least one"]);
     }
 }
 
@@ -147,6 +98,9 @@ fn a_file_that_is_no_scene() {
 fn an_override_that_leads_nowhere() {
     refused_with(&["scene.deep=1"], &["scene.deep = 1", "no table"]);
     refused_with(&["excitation.tones.0=1"], &["excitation.tones"]);
+    refused_with(&["extra.deep.key=1"], &["extra.deep.key = 1", "unknown key"]);
+    // A key of another kind of the table.
+    refused_with(&["parameters.restitution.coefficient=1"], &["restitution.coefficient = 1", "unknown key"]);
     // A line break must not smuggle in a second key.
     refused_with(&["parameters.mass_kg=1\nextra=2"], &["parameters.mass_kg", "from 1e-12"]);
     for bad in ["parameters.mass_kg", "=1", "parameters.mass_kg=", ""] {

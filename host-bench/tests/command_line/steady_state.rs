@@ -1,6 +1,6 @@
 //! The steady state by shooting: `--steady-state` and `resonance`.
 
-use super::tool::{BEAM, RECTIFIED, SHIPPED, accepted, file, folder, json, number, printed, refused, rows};
+use super::tool::{BEAM, RECTIFIED, SHIPPED, accepted, json, number, printed, refused, rows};
 
 /// A fast core, and a short run for where there is no orbit.
 const FAST: [&str; 6] = ["--tolerance", "1e-3", "--set", "run.duration_s=1", "--set", "run.settle_s=0.5"];
@@ -94,14 +94,10 @@ fn what_has_no_period_map_is_refused() {
     let grid = ["sweep", SHIPPED, "--over", "excitation.frequency_hz=0:20:2", "--steady-state"];
     refused(&grid, &["excitation.kind", "frequency_hz above 0"]);
     refused(&[&grid[..4], &["--compare"]].concat(), &["--steady-state"]);
-    let folder = folder("no-sine");
-    let shipped = std::fs::read_to_string(SHIPPED).expect("the shipped scene");
-    let (before, after) = shipped.split_once("[excitation]").expect("a table");
-    let (_, after) = after.split_once("[run]").expect("a table");
-    let silent = format!("{before}[excitation]\nkind = \"silence\"\n\n[run]{after}");
-    let silent = file(&folder, "silent.toml", silent);
-    refused(&["run", &silent, "--steady-state"], &["silent.toml", "excitation.kind", "sine"]);
-    refused(&["resonance", &silent, "--from", "19", "--to", "20"], &["excitation.kind", "sine"]);
+    let still = "excitation={kind='silence'}";
+    refused(&run(&["--set", still]), &["excitation.kind", "sine"]);
+    let resonance = ["resonance", SHIPPED, "--from", "19", "--to", "20", "--set", still];
+    refused(&resonance, &["excitation.kind", "sine"]);
     let range = |from: &'static str, to: &'static str| ["resonance", SHIPPED, "--from", from, "--to", to];
     refused(&range("0", "20"), &["--from 0", "above 0"]);
     refused(&range("19", "nan"), &["--to NaN"]);

@@ -4,7 +4,7 @@ use std::fs::{read_to_string, write};
 use std::path::Path;
 
 use super::interrupted::{rows, with_checksum};
-use super::tool::{PASSIVE, SHIPPED, accepted, file, folder, json, number, outcome, printed, refused};
+use super::tool::{PASSIVE, SHIPPED, accepted, folder, json, number, outcome, printed, refused};
 
 const SHORT: [&str; 4] = ["--set", "run.duration_s=0.5", "--set", "run.settle_s=0.3"];
 
@@ -132,9 +132,6 @@ fn a_bad_grid_is_refused_and_nothing_is_written() {
         assert!(!output.exists(), "{over:?} wrote something");
     }
     refused(&sweep(&[]), &["--over"]);
-    let taken = file(&folder, "taken", "");
-    let axis = ["--over", "load.resistance_ohm=1:2:2", "--output", &taken];
-    refused(&sweep(&axis), &["--output", "must be a folder"]);
 }
 
 #[test]

@@ -145,6 +145,20 @@ pub(super) fn outcome(scene: &str, overrides: &[&str]) -> Value {
     json(&[&["run", scene, "--method", "reference"], &set(overrides)[..]].concat())
 }
 
+/// Asserts that the object of a run has the keys of the contract in their order; the created energy where its force law may
+/// create some, and those of its kind.
+#[track_caller]
+pub(super) fn has_keys(found: &Value, creates: bool, of_kind: &str) {
+    let created = if creates { "created_energy_j created_energy_share" } else { "" };
+    let wanted = format!(
+        "scene method precision math duration_s settle_s mean_power_w mean_power_standard_error_w rms_voltage_v peak_voltage_v \
+         mean_voltage_v delivered_energy_j {created} energy_residual steps rejected_steps newton_iterations events processor_s \
+         accuracy branches limits smallest_margin impossible_margin warnings {of_kind}"
+    );
+    let keys: Vec<&str> = found.as_object().expect("an object").keys().map(String::as_str).collect();
+    assert_eq!(keys, wanted.split_whitespace().collect::<Vec<_>>());
+}
+
 /// A number of an outcome.
 pub(super) fn number(outcome: &Value, key: &str) -> f64 {
     outcome[key].as_f64().unwrap_or_else(|| panic!("{key} is a number in {outcome}"))

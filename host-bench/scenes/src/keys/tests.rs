@@ -141,32 +141,60 @@ const KINDS: [(&str, &[&str]); 28] = [
     ("sliding", &["fit={data=['data.csv'], free=['parameters.damping_ratio'], loss='linear', starts=3}"]),
 ];
 
-/// What a key may not be: out of its bounds, or no number; and what an error then says of it.
-fn wrong(key: &Key) -> (Vec<String>, String) {
-    // A date is the value of no key.
-    let mut wrong = vec!["1979-05-27".to_owned()];
-    let range = Bound::of(key).range;
-    let beyond = |bound: f64, sign: f64| format!("{:e}", bound + sign * (1e-9 * bound.abs()).max(1e-12));
-    let bound = match key.value {
-        Value::Number(_) => Bound::of(key).to_string(),
-        Value::Whole(_) => format!("a whole number from {} to {}", range.lowest, range.highest),
-        _ => return (wrong, String::new()),
-    };
-    let none = "nan -inf 1e999 true {} [1] 3_apples '1' 1,5".split(' ');
-    wrong.extend(none.map(str::to_owned).chain([beyond(range.lowest, -1.0)]));
-    if range.highest.is_finite() {
-        wrong.extend(["inf".to_owned(), beyond(range.highest, 1.0)]);
-    }
-    (wrong, bound)
+/// Words of a choice, as an error lists them.
+fn listed(words: &[&str]) -> String {
+    words.iter().map(|word| format!("{word:?}")).collect::<Vec<_>>().join(" or ")
 }
 
-/// Refuses each key of a table that the document has, wrong in its turn.
+/// What is no word of a choice.
+const NO_WORD: &str = "Exact 3 true ''";
+
+/// What a key may not be: out of its bounds, or of another kind; and what an error then says of it.
+fn wrong(key: &Key) -> (Vec<String>, String) {
+    const NO_NUMBER: &str = "nan -inf 1e999 true {} [1] 3_apples '1' 1,5";
+    let range = Bound::of(key).range;
+    let (wrong, bound) = match key.value {
+        Value::Number(_) | Value::NumberOrLimits(_) => (NO_NUMBER, Bound::of(key).to_string()),
+        Value::Whole(_) => (NO_NUMBER, format!("a whole number from {} to {}", range.lowest, range.highest)),
+        Value::Numbers(..) => ("1 [] [nan] [1e9] [true] [[1]] ['a']", "numbers, ".to_owned()),
+        Value::Words(words) => (NO_WORD, listed(words)),
+        Value::Part(words) => (NO_WORD, listed(&words())),
+        Value::Flag => ("1 'yes' []", "true or false".to_owned()),
+        Value::Table(_) => ("1", "must be a table".to_owned()),
+        Value::Tables(_) => ("1 [] [1]", "a list of tables, at least one".to_owned()),
+        _ => ("", String::new()),
+    };
+    // A date is the value of no key.
+    let mut all: Vec<String> = format!("1979-05-27 {wrong}").split_whitespace().map(str::to_owned).collect();
+    if wrong == NO_NUMBER {
+        let beyond = |bound: f64, sign: f64| format!("{:e}", bound + sign * (1e-9 * bound.abs()).max(1e-12));
+        all.push(beyond(range.lowest, -1.0));
+        if range.highest.is_finite() {
+            all.push(beyond(range.highest, 1.0));
+            all.extend((!matches!(key.value, Value::NumberOrLimits(_))).then(|| "inf".to_owned()));
+        }
+    }
+    (all, bound)
+}
+
+/// Refuses each key of a table that the document has, wrong in its turn, and a key that the table does not have.
 fn refuse_each(
     (path, sets): (&Path, &[Override]),
     (table, of): (&Json, &'static Table),
     prefix: &str,
     seen: &mut Vec<String>,
 ) {
+    let refuse = |key: &str, wrong: &str, bound: &str| {
+        let sets: Vec<Override> = sets.iter().cloned().chain([Override::new(key, wrong)]).collect();
+        let Err(error) = scene_file::read(path, &sets) else {
+            panic!("{}: {key} = {wrong} is accepted", path.display())
+        };
+        let (told, shown) = (error.to_string(), key.replace(".0.", "[0]."));
+        let begins = format!("{}: --set {shown} = ", path.display());
+        // The words of a choice are in the order of its code or of its table.
+        let says = bound.split(" or \"").all(|bound| told.contains(bound));
+        assert!(told.starts_with(&begins) && says, "{key} = {wrong}, {bound}: {told}");
+    };
     let kind = table[of.selector].as_str().and_then(|word| of.kind(word));
     for (name, value) in table.as_object().expect("a table") {
         let key = format!("{prefix}{name}");
@@ -181,18 +209,13 @@ fn refuse_each(
             }
             _ => {}
         }
-        let (all, bound) = row.map_or_else(|| (vec!["1979-05-27".to_owned()], String::new()), wrong);
-        for wrong in all {
-            let sets: Vec<Override> = sets.iter().cloned().chain([Override::new(&key, &wrong)]).collect();
-            let Err(error) = scene_file::read(path, &sets) else {
-                panic!("{}: {key} = {wrong} is accepted", path.display())
-            };
-            let (told, shown) = (error.to_string(), key.replace(".0.", "[0]."));
-            let begins = format!("{}: --set {shown} = ", path.display());
-            assert!(told.starts_with(&begins) && told.contains(&bound), "{key} = {wrong}, {bound}: {told}");
-        }
+        let kinds = || listed(&of.kinds.iter().map(|kind| kind.word).collect::<Vec<_>>());
+        let of_kind = || (NO_WORD.split(' ').map(str::to_owned).collect(), kinds());
+        let (all, bound) = row.map_or_else(of_kind, wrong);
+        all.iter().for_each(|wrong| refuse(&key, wrong, &bound));
         seen.push(name.clone());
     }
+    refuse(&format!("{prefix}extra"), "1", "unknown key");
 }
 
 /// Each key that must be there is missing in its turn from the shipped scenes.
