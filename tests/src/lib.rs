@@ -156,6 +156,23 @@ pub fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
     );
 }
 
+/// A run: its options, by how much each number may be off, and by how much it is.
+pub type Run<'a, const N: usize> = (&'a str, [f64; N], [f64; N]);
+
+/// Shows by how much the runs of each scene are off, and asserts that none is off by more than is allowed.
+pub fn assert_rows_within<C, const N: usize>(scenes: &[(&str, C)], rows: &[Vec<Run<'_, N>>]) {
+    let all =
+        || scenes.iter().zip(rows).flat_map(|((name, _), rows)| rows.iter().map(move |row| (name, row)));
+    for (name, (options, _, found)) in all() {
+        println!("{name}, {options}: off by {}", shown(found));
+    }
+    for (name, (options, allowed, found)) in all() {
+        // Written so that not-a-number is too much.
+        let close = found.iter().zip(allowed).all(|(off, allowed)| off <= allowed);
+        assert!(close, "{name}, {options}: {}", shown(found));
+    }
+}
+
 /// Slope of `ln error` over `ln step` by least squares: the order of convergence.
 #[must_use]
 pub fn order(points: &[(f64, f64)]) -> f64 {

@@ -172,18 +172,6 @@ fn a_linear_force_on_a_rigid_contact_is_not_stable_at_any_step() {
 }
 
 #[test]
-fn at_mid_span_the_peak_voltage_is_higher_than_at_the_tip() {
-    let peak = |change| {
-        let scene = modes(["6", "2"], ["0.2", "0.4"], &[change]);
-        value(run_beam(&scene, &fixed(1e-6)).0.peak_voltage_v)
-    };
-    let (middle, tip) = (peak(MID_SPAN), peak(("stop.position_m", "50e-3")));
-    println!("mid-span {middle} V, tip {tip} V");
-    // The other program has 3.97 V and 1.64 V with (10, 10) modes.
-    assert!(middle > 1.5 * tip, "{middle} {tip}");
-}
-
-#[test]
 fn a_thousand_times_stiffer_rod_leaves_the_voltage() {
     let voltage = |modulus| {
         let scene = modes(["6", "1"], ["0.1", "0.3"], &[("stop.young_modulus_pa", modulus), MID_SPAN]);

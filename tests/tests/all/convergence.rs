@@ -1,35 +1,23 @@
-//! Order of convergence, tolerance and energy ledger on the contact-separation scene, measured
-//! against the independent reference.
+//! Order of convergence and energy ledger on the contact-separation scene, measured against the independent reference. What a
+//! tolerance keeps is in `exponential_radau`.
 
-use cross_crate_tests::{
-    adaptive, assert_close, contact_separation, fixed, order, periods, reference, resistor, run, sine, value,
-};
+use cross_crate_tests::{contact_separation, fixed, order, periods, reference, run, sine, value};
 use host_bench::method::{Method, Options};
-use host_bench::scene_file::{ForceLaw, Scene};
+use host_bench::scene_file::ForceLaw;
 
-/// The scene of the paper that impacts once a period.
-fn impacting(resistance: f64) -> Scene {
-    contact_separation(|scene, _| scene.load = resistor(resistance))
-}
-
-/// The same shaken so little that the mass stays off the dielectric, at a strong charge.
 /// The same options by TR-BDF2.
 fn tr_bdf2(options: Options) -> Options {
     Options { method: Method::TrBdf2, ..options }
 }
 
-fn smooth(resistance: f64) -> Scene {
-    contact_separation(|scene, _| {
-        scene.load = resistor(resistance);
-        scene.excitation = sine(0.05, 18.0);
-    })
-}
-
+/// The scene of the paper, which impacts once a period, and the same shaken so little that the mass stays off the dielectric.
 /// Fixed steps from T/400 to T/3200, without any limit that depends on the gap.
 #[test]
 fn the_order_of_convergence_is_two() {
     let divisions = [400.0, 565.685, 800.0, 1131.37, 1600.0, 2262.74, 3200.0];
-    for (name, scene, period) in [("smooth", smooth(1e8), 1.0 / 18.0), ("impacting", impacting(1e8), 0.05)] {
+    let smooth = contact_separation(|scene, _| scene.excitation = sine(0.05, 18.0));
+    let impacting = contact_separation(|_, _| ());
+    for (name, scene, period) in [("smooth", smooth, 1.0 / 18.0), ("impacting", impacting, 0.05)] {
         let (exact, exact_motion) = run(&scene, &reference());
         let (mut power, mut impact, mut gap) = (Vec::new(), Vec::new(), Vec::new());
         for division in divisions {
@@ -49,39 +37,6 @@ fn the_order_of_convergence_is_two() {
             let impact = order(&impact);
             println!("{name}: order {impact:.3} in the time of the first impact");
             assert!((1.9..=2.1).contains(&impact), "{name}: order {impact} in the time of the first impact");
-        }
-    }
-}
-
-/// A tolerance of 1e-6 keeps every compared quantity within 1e-4 of the reference, the sharp
-/// current pulses at 1 MΩ included.
-#[test]
-fn the_tolerance_bounds_the_error() {
-    for (name, scene) in [
-        ("smooth, 100 MΩ", smooth(1e8)),
-        ("smooth, 1 MΩ", smooth(1e6)),
-        ("impacting, 100 MΩ", impacting(1e8)),
-        ("impacting, 1 MΩ", impacting(1e6)),
-    ] {
-        let (exact, exact_motion) = run(&scene, &reference());
-        let (found, motion) = run(&scene, &adaptive(1e-6));
-        for (what, found, exact) in [
-            ("mean power", found.mean_power_w, exact.mean_power_w),
-            ("RMS voltage", found.rms_voltage_v, exact.rms_voltage_v),
-            ("peak voltage", found.peak_voltage_v, exact.peak_voltage_v),
-            ("peak gap", motion.peak_gap_m, exact_motion.peak_gap_m),
-        ] {
-            println!("{name}: {what} off by {:.1e}", value(found) / value(exact) - 1.0);
-            assert_close(&format!("{name}: {what}"), value(found), value(exact), 1e-4);
-        }
-        assert_eq!(motion.impacts, exact_motion.impacts, "{name}");
-        if exact_motion.impacts > 0 {
-            let what = format!("{name}: impact speed");
-            let speeds = [&motion, &exact_motion].map(|motion| value(motion.max_impact_speed_m_per_s));
-            assert_close(&what, speeds[0], speeds[1], 1e-4);
-            let what = format!("{name}: first impact");
-            let times = [&motion, &exact_motion].map(|motion| value(motion.first_impact_s));
-            assert_close(&what, times[0], times[1], 1e-4);
         }
     }
 }
