@@ -178,7 +178,7 @@ impl March<'_> {
             let taken = found.map_or(ticks, |(at, _)| at);
             let moments = self.meter.moments();
             if taken == WHOLE {
-                regime.propagator.measure_whole(&self.vector, moments);
+                moments.add(&regime.propagator, 0, &self.vector);
             } else {
                 regime.propagator.advance_measured(&self.vector, taken, &mut end, moments);
             }

@@ -225,7 +225,8 @@ impl Unfollowed {
         let shown =
             |ratio: Option<f64>| ratio.map_or_else(|| "unknown".to_owned(), |ratio| format!("{ratio:.3e}"));
         let [solution, start] = self.ratios.map(shown);
-        let is_of_a_unit = self.ratios.iter().flatten().any(|ratio| is_near_a_power_of_a_thousand(*ratio));
+        let mut ratios = self.ratios.iter().flatten();
+        let is_of_a_unit = ratios.any(|ratio| is_near_a_power_of_a_thousand(*ratio));
         let unit = if is_of_a_unit { "; check its unit" } else { "" };
         format!(
             "the model does not follow {}: its relative residual is {:.3}; the median ratio of data to model is {solution}, at \

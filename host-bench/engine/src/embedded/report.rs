@@ -60,8 +60,9 @@ pub(super) struct Recorder<'a, S: Scalar, H, R> {
     report: &'a R,
     excitation: HostExcitation<'a, S>,
     every: f64,
-    rows: Vec<Vec<f64>>,
-    impacts_s: Vec<f64>,
+    pub(super) rows: Vec<Vec<f64>>,
+    /// The instants of impacts in s.
+    pub(super) impacts_s: Vec<f64>,
     harvester: PhantomData<H>,
 }
 
@@ -69,11 +70,6 @@ impl<'a, S: Scalar, H, R> Recorder<'a, S, H, R> {
     /// A row for each `every` seconds.
     pub(super) fn new(report: &'a R, excitation: HostExcitation<'a, S>, every: f64) -> Self {
         Self { report, excitation, every, rows: Vec::new(), impacts_s: Vec::new(), harvester: PhantomData }
-    }
-
-    /// The rows, and the instants of impacts in s.
-    pub(super) fn into_parts(self) -> (Vec<Vec<f64>>, Vec<f64>) {
-        (self.rows, self.impacts_s)
     }
 }
 

@@ -200,7 +200,7 @@ impl<S: Scalar, H: Harvester<S>, R: Report<S, H>> Run<'_, S, H, R> {
             self.advance(state, until, &mut total, &mut (&mut whole, &mut others))?;
         }
         let processor_s = began.elapsed().as_secs_f64();
-        let (rows, impacts_s) = recorder.into_parts();
+        let Recorder { rows, impacts_s, .. } = recorder;
         let columns = self.report.columns(harvester.outputs(state).storage.is_some());
         let trace = options.trace_every_s.map(|_| Recording { columns, rows, impacts_s });
         Ok(Outcome { trace, ..self.outcome(state, span, &meters, (&total, processor_s)) })

@@ -125,11 +125,6 @@ impl Propagator {
         self.walk(from, ticks, to, |level, vector| moments.add(self, level, vector));
     }
 
-    /// Adds the moments of a whole grid step from `from`.
-    pub(super) fn measure_whole(&self, from: &[f64], moments: &mut Moments) {
-        moments.add(self, 0, from);
-    }
-
     /// Advances by `ticks` from `from` and shows the level and the start of each step to `visit`.
     fn walk(&self, from: &[f64], ticks: u64, to: &mut Vec<f64>, mut visit: impl FnMut(usize, &[f64])) {
         to.resize(from.len(), 0.0);
@@ -179,7 +174,8 @@ impl Moments {
         Self { levels: vec![(0, Vec::new()); DIGITS as usize + 1], integrals: [0.0; FORMS] }
     }
 
-    fn add(&mut self, propagator: &Propagator, level: usize, vector: &[f64]) {
+    /// Adds the moments of a step of a level from a vector; level 0 is a whole grid step.
+    pub(super) fn add(&mut self, propagator: &Propagator, level: usize, vector: &[f64]) {
         let (count, sums) = &mut self.levels[level];
         sums.resize(propagator.size * (propagator.size + 1) / 2, 0.0);
         let mut rest = sums.as_mut_slice();

@@ -208,56 +208,55 @@ fn of(all: &[Response], cases: [(String, Case); 5]) -> Vec<(String, &Response)> 
     cases.into_iter().filter_map(found).collect()
 }
 
-/// The responses at one charge density for all resistances.
-fn at_density(all: &[Response], charge_density: f64) -> Vec<(String, &Response)> {
-    of(all, RESISTANCES.map(|resistance| (ohms(resistance), Case { charge_density, resistance })))
-}
-
 /// Amplitude, local view of it, and voltage at one charge density.
-fn panels(number: u32, which: usize, base: &str, wanted: &[(String, &Response)]) -> Vec<Panel> {
-    let title = |letter: char, what: &str| {
-        format!("Figure {number} ({letter}): {} µC/m², {base}, {what}", DENSITIES[which])
+fn at_density(
+    all: &[Response],
+    (number, which): (u32, usize),
+    base: &str,
+    [label, title]: [&'static str; 2],
+    caption: String,
+) -> Figure {
+    let charge_density = DENSITIES[which];
+    let wanted =
+        of(all, RESISTANCES.map(|resistance| (ohms(resistance), Case { charge_density, resistance })));
+    let drawn = |letter: char, what: &str, shown, spans| {
+        let title = format!("Figure {number} ({letter}): {charge_density} µC/m², {base}, {what}");
+        panel(&format!("figure-{number}{letter}"), title, shown, spans, &wanted)
     };
-    let name = |letter: char| format!("figure-{number}{letter}");
-    vec![
-        panel(&name('a'), title('a', "amplitude"), AMPLITUDE, [Some(WIDE.0), None], wanted),
-        panel(&name('b'), title('b', "local view"), AMPLITUDE, [None, Some(NEAR[which])], wanted),
-        panel(&name('c'), title('c', "RMS voltage"), VOLTAGE, [Some(WIDE.0), None], wanted),
-    ]
+    Figure {
+        label,
+        title,
+        caption,
+        panels: vec![
+            drawn('a', "amplitude", AMPLITUDE, [Some(WIDE.0), None]),
+            drawn('b', "local view", AMPLITUDE, [None, Some(NEAR[which])]),
+            drawn('c', "RMS voltage", VOLTAGE, [Some(WIDE.0), None]),
+        ],
+        table: Vec::new(),
+        csv: numbers(wanted.iter().map(|(_, response)| *response)),
+    }
 }
 
 pub(super) fn four(all: &[Response], [base, note]: [&str; 2]) -> Figure {
-    let wanted = at_density(all, DENSITIES[0]);
-    Figure {
-        label: "Figure 4",
-        title: "Frequency responses for five load resistances, small charge density",
-        caption: format!(
-            "At {} µC/m²: (a) amplitude of the tip, (b) its peaks again, larger, and (c) RMS voltage, which the \
-             paper does not show here. The load does little to the motion: only around the peak does the amplitude \
-             fall with growing resistance, by 2 %. {note}",
-            DENSITIES[0]
-        ),
-        panels: panels(4, 0, base, &wanted),
-        table: Vec::new(),
-        csv: numbers(wanted.iter().map(|(_, response)| *response)),
-    }
+    let caption = format!(
+        "At {} µC/m²: (a) amplitude of the tip, (b) its peaks again, larger, and (c) RMS voltage, which the \
+         paper does not show here. The load does little to the motion: only around the peak does the amplitude \
+         fall with growing resistance, by 2 %. {note}",
+        DENSITIES[0]
+    );
+    let title = "Frequency responses for five load resistances, small charge density";
+    at_density(all, (4, 0), base, ["Figure 4", title], caption)
 }
 
 pub(super) fn five(all: &[Response], [base, note]: [&str; 2]) -> Figure {
-    let wanted = at_density(all, DENSITIES[1]);
-    Figure {
-        label: "Figure 5",
-        title: "Frequency responses for five load resistances, large charge density",
-        caption: format!(
-            "At {} µC/m²: (a) amplitude of the tip, and beyond the paper (b) its peaks again, larger, and (c) RMS \
-             voltage. With growing resistance the peak moves to the left and its amplitude falls a little; \
-             with more it comes back to the right and falls further. {note}",
-            DENSITIES[1]
-        ),
-        panels: panels(5, 1, base, &wanted),
-        table: Vec::new(),
-        csv: numbers(wanted.iter().map(|(_, response)| *response)),
-    }
+    let caption = format!(
+        "At {} µC/m²: (a) amplitude of the tip, and beyond the paper (b) its peaks again, larger, and (c) RMS \
+         voltage. With growing resistance the peak moves to the left and its amplitude falls a little; \
+         with more it comes back to the right and falls further. {note}",
+        DENSITIES[1]
+    );
+    let title = "Frequency responses for five load resistances, large charge density";
+    at_density(all, (5, 1), base, ["Figure 5", title], caption)
 }
 
 fn numbers<'a>(responses: impl Iterator<Item = &'a Response>) -> String {
