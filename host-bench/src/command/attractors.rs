@@ -76,7 +76,7 @@ pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
         let power = |start: &[f64; 2]| Some(ends.iter().find(|end| end.start == *start)?.power_w);
         let powers = starts.iter().skip(1).map(power).collect();
         let quantity = Quantity { name: "mean power", unit: "W", values: powers };
-        let title = Name::new(file.to_string_lossy()).line();
+        let title = Name::of_file(file).line();
         let words = Labels { title: &title, without: "the run failed", marked: (&[], "") };
         if let Some(picture) = picture(words, &axes, &[quantity]) {
             outputs.keep(path, picture.of_file(path)?);

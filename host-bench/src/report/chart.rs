@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::svg::{extremes, linear_ticks, logarithmic_ticks, range, shade, tick_label};
+use super::svg::{decimal, even_ticks, extremes, linear_ticks, logarithmic_ticks, range, shade, tick_label};
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Axis {
@@ -54,7 +54,9 @@ impl Axis {
 
     pub(super) fn places(&self) -> Vec<f64> {
         let [first, last] = self.ends();
-        if self.is_logarithmic {
+        if let Some(numbers) = &self.numbers {
+            even_ticks(numbers)
+        } else if self.is_logarithmic {
             logarithmic_ticks(first, last, self.ticks)
         } else {
             linear_ticks(first, last, self.ticks)
@@ -68,7 +70,10 @@ impl Axis {
             let at = place.clamp(0.0, 1.0) * (numbers.len() - 1) as f64;
             let below = (at as usize).min(numbers.len().saturating_sub(2));
             let rise = numbers.get(below + 1).map_or(0.0, |next| next - numbers[below]);
-            return format!("{:.2}", numbers[below] + (at - below as f64) * rise);
+            // To a hundredth of the decade of the span, as its ticks are.
+            let span = numbers[numbers.len() - 1] - numbers[0];
+            let digits = (2.0 - span.log10().floor()).clamp(0.0, 9.0) as usize;
+            return decimal(numbers[below] + (at - below as f64) * rise, digits);
         }
         let value = |place: f64| if self.is_logarithmic { 10f64.powf(place) } else { place };
         tick_label(value(place), all.iter().map(|place| value(*place)), self.is_logarithmic)
@@ -113,6 +118,11 @@ impl Mark {
         }
     }
 
+    /// The line of a curve among others, by its number: every other one is dashed, for those who do not see its colour.
+    pub(crate) fn line(number: usize, width: f64) -> Self {
+        if number % 2 == 0 { Self::Line(width) } else { Self::Dashes(width) }
+    }
+
     /// Width or diameter of one of its parts.
     pub(super) fn size(self) -> f64 {
         match self {
@@ -134,6 +144,8 @@ pub(crate) struct Curve {
     pub(crate) bars: Vec<f64>,
     /// For each point what a page says of it besides its values; empty without.
     pub(crate) notes: Vec<String>,
+    /// Whether only a page has it, after a click on its name.
+    pub(crate) is_hidden: bool,
 }
 
 /// Least part of the height of a curve that a jump has, and how much larger than the differences beside it it is.
@@ -147,7 +159,8 @@ impl Curve {
         points: impl IntoIterator<Item = (f64, f64)>,
     ) -> Self {
         let points = points.into_iter().collect();
-        Self { name: name.into(), colour, mark, points, bars: Vec::new(), notes: Vec::new() }
+        let (bars, notes) = (Vec::new(), Vec::new());
+        Self { name: name.into(), colour, mark, points, bars, notes, is_hidden: false }
     }
 
     /// Points with a note each; nothing without a point.

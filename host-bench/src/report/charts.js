@@ -103,11 +103,12 @@ for (const [index, one] of charts.entries()) {
       ctx.fillRect(left[column], low[row + 1], left[column + 1] - left[column], low[row] - low[row + 1]);
     });
   });
-  const orbits = (chart) => clipped(chart, (ctx) => {
+  // With an edge a line is seen on each colour of the cells.
+  const strokes = (edge) => (chart) => clipped(chart, (ctx) => {
     one.curves.forEach((curve, at) => {
-      if (!chart.series[at + first].show) return;
-      ctx.strokeStyle = curve.colour;
-      ctx.lineWidth = curve.line * window.devicePixelRatio;
+      if (!chart.series[at + first].show || !curve.line) return;
+      ctx.strokeStyle = edge ? "#fff" : curve.colour;
+      ctx.lineWidth = (curve.line + edge) * window.devicePixelRatio;
       ctx.lineJoin = "round";
       ctx.beginPath();
       let isOn = false;
@@ -174,6 +175,7 @@ for (const [index, one] of charts.entries()) {
       ...(span ? [{ class: "frame", paths: () => null, points: { show: false } }] : []),
       ...one.curves.map((curve) => ({
         label: curve.name,
+        show: !curve.hidden,
         stroke: curve.colour,
         width: curve.line,
         value: (_, value) => digits(value),
@@ -185,7 +187,7 @@ for (const [index, one] of charts.entries()) {
             : { show: false },
       })),
     ],
-    hooks: { setScale: [zoomed], drawClear: field ? [cells] : [], draw: one.orbits ? [orbits] : [bars] },
+    hooks: { setScale: [zoomed], drawClear: field ? [cells, strokes(2)] : [], draw: one.orbits ? [strokes(0)] : [bars] },
   };
   const place = document.getElementById(`chart-${index}`);
   const tables = one.curves.map((curve) => (one.orbits ? [span[0], [null, null]] : [curve.x, curve.y]));

@@ -8,19 +8,19 @@ use std::ops::Range;
 
 use plotters::prelude::*;
 
-use super::chart::{Chart, Curve, Field, Mark, SHADES, colour};
+use super::chart::{Axis, Chart, Curve, Field, Mark, SHADES, colour};
 use super::page::escaped;
 use super::svg::{Area, Drawn, FONT, GRID, Ticked, hex, svg, width_of};
 
-/// Height of the row above a chart that names its curves.
+/// Height of a row above a chart: names of its curves, or a further line of its title or note.
 const LEGEND: i32 = 26;
-/// Room at the left for the numbers and the title of the axis.
+/// Least room at the left for the numbers and the title of the axis.
 const LEFT: i32 = 72;
 /// Room around it.
 const MARGIN: i32 = 10;
 const RIGHT: i32 = 26;
-/// Width of the scale of colours.
-const SCALE: i32 = 130;
+/// Width of the scale of colours without the room for its numbers.
+const SCALE: i32 = 58;
 /// Text; the library's size is 1.24 times what an SVG calls it.
 const TITLE: (&str, u32) = (FONT, 20);
 const TEXT: (&str, u32) = (FONT, 18);
@@ -29,21 +29,18 @@ const LEAST_OF_HALVES: u32 = 700;
 /// Height of the title above all charts.
 const HEAD: u32 = 30;
 
-/// The font of a title that is not wider than its chart.
-fn title_of(title: &str, width: i32) -> (&'static str, u32) {
-    let sizes = (13..=TITLE.1).rev();
-    let mut fitting = sizes.filter(|size| width_of(title, *size) <= width);
-    (TITLE.0, fitting.next().unwrap_or(13))
-}
-
-/// The font of the title above all charts, and its lines of about one length, none wider than the picture if no word is.
-fn head_of(title: &str, width: i32) -> ((&'static str, u32), Vec<String>) {
-    let font = (FONT, title_of(title, width).1.max(TEXT.1));
+/// The font of a title, no smaller than that of the labels, and its lines of about one length, none wider than `width` if no word
+/// is. A number and its unit stand in one line.
+fn lines_of(title: &str, width: i32) -> ((&'static str, u32), Vec<String>) {
+    let mut sizes = (TEXT.1..=TITLE.1).rev();
+    let font = (FONT, sizes.find(|size| width_of(title, *size) <= width).unwrap_or(TEXT.1));
+    // Behind a number its unit has room.
+    let room = |word: &str| if word.parse::<f64>().is_ok() { width_of(" half-b", font.1) } else { 0 };
     let within = |width: i32| {
         let mut lines: Vec<String> = Vec::new();
         for word in title.split_whitespace() {
             match lines.last_mut() {
-                Some(line) if width_of(&format!("{line} {word}"), font.1) <= width => {
+                Some(line) if width_of(&format!("{line} {word}"), font.1) + room(word) <= width => {
                     *line += &format!(" {word}")
                 }
                 _ => lines.push(word.to_owned()),
@@ -56,6 +53,13 @@ fn head_of(title: &str, width: i32) -> ((&'static str, u32), Vec<String>) {
     (font, narrower.unwrap_or(widest))
 }
 
+/// Room for the title of an ordinate, its numbers, and what is between them.
+fn room(axis: &Axis) -> i32 {
+    let places = axis.places();
+    let numbers = places.iter().map(|place| width_of(&axis.label(*place, &places), TEXT.1));
+    LEFT.max(27 + numbers.max().unwrap_or(0))
+}
+
 /// The charts as SVG text below a title: from left to right where two have half of the width, else one below the other.
 /// At the bottom stands a figure, if there is one, with its height.
 pub(crate) fn draw(
@@ -64,7 +68,7 @@ pub(crate) fn draw(
     charts: &[Chart],
     figure: Option<&(u32, String)>,
 ) -> Result<String, String> {
-    let (font, lines) = head_of(title, width.cast_signed());
+    let (font, lines) = lines_of(title, width.cast_signed());
     let head = HEAD * lines.len() as u32;
     let (mut left, mut top, mut bottom) = (0, head, head);
     let mut places = Vec::new();
@@ -77,9 +81,13 @@ pub(crate) fn draw(
         if left + wide > width {
             (left, top) = (0, bottom);
         }
-        places.push((chart, (left, top), (wide, chart.height)));
-        (left, bottom) = (left + wide, bottom.max(top + chart.height));
+        let further = |text: &str| lines_of(text, wide.cast_signed()).1.len().saturating_sub(1) as u32;
+        let height = chart.height + LEGEND.cast_unsigned() * (further(&chart.title) + further(&chart.note));
+        places.push((chart, (left, top), (wide, height)));
+        (left, bottom) = (left + wide, bottom.max(top + height));
     }
+    // The charts have their ordinates at one place.
+    let room = places.iter().map(|(chart, ..)| room(&chart.up)).max().unwrap_or(LEFT);
     let mut paths = String::new();
     let below = figure.map_or(0, |(height, _)| *height);
     let frame = svg((width, (bottom + below).max(1)), |area| {
@@ -87,7 +95,7 @@ pub(crate) fn draw(
             area.clone().shrink((0, top), (width, HEAD)).titled(line, font)?;
         }
         for (chart, place, size) in &places {
-            axes(&area.clone().shrink(*place, *size), chart, &mut paths)?;
+            axes(&area.clone().shrink(*place, *size), chart, room, &mut paths)?;
         }
         Ok(())
     })?;
@@ -105,13 +113,15 @@ pub(crate) fn draw(
     Ok(format!("{}{paths}{end}", frame.replacen(" viewBox=", &named, 1)))
 }
 
-/// Draws the axes, and appends the paths of cells and curves to `paths`.
-fn axes(area: &Area<'_>, chart: &Chart, paths: &mut String) -> Drawn {
+/// Draws the axes with so much room for the ordinate, and appends the paths of cells and curves to `paths`.
+fn axes(area: &Area<'_>, chart: &Chart, left_room: i32, paths: &mut String) -> Drawn {
     let (columns, _) = area.get_pixel_range();
     let wide = columns.end - columns.start;
-    let mut area = area.titled(&chart.title, title_of(&chart.title, wide))?;
-    if !chart.note.is_empty() {
-        area = area.titled(&chart.note, title_of(&chart.note, wide))?;
+    let mut area = area.clone();
+    for (font, lines) in [&chart.title, &chart.note].map(|text| lines_of(text, wide)) {
+        for line in lines {
+            area = area.titled(&line, font)?;
+        }
     }
     let names = entries(&chart.curves, wide);
     if let Some(last) = names.last() {
@@ -120,7 +130,7 @@ fn axes(area: &Area<'_>, chart: &Chart, paths: &mut String) -> Drawn {
         area = below;
     }
     if let Some(field) = &chart.field {
-        let (body, scale) = area.split_horizontally(wide - SCALE);
+        let (body, scale) = area.split_horizontally(wide - SCALE - room(&field.scale));
         scale_of(&scale, field)?;
         area = body;
     }
@@ -132,7 +142,7 @@ fn axes(area: &Area<'_>, chart: &Chart, paths: &mut String) -> Drawn {
         .margin_bottom(MARGIN)
         .margin_right(RIGHT)
         .x_label_area_size(50)
-        .y_label_area_size(LEFT)
+        .y_label_area_size(left_room)
         .build_cartesian_2d(Ticked::new([left, right], &columns), Ticked::new([low, high], &rows))?;
     drawn
         .configure_mesh()
@@ -156,11 +166,9 @@ fn marks(paths: &mut String, chart: &Chart, (columns, rows): (Range<i32>, Range<
     let ([left, right], [low, high]) = (chart.across.ends(), chart.up.ends());
     // An inner SVG element clips the curves at the axes. A clip path would need a name, and names clash where one page
     // holds several pictures.
-    let _ = writeln!(
-        paths,
-        "<svg x=\"{}\" y=\"{}\" width=\"{width}\" height=\"{height}\">",
-        columns.start, rows.start
-    );
+    let frame =
+        format!("<svg x=\"{}\" y=\"{}\" width=\"{width}\" height=\"{height}\"", columns.start, rows.start);
+    let _ = writeln!(paths, "{frame}>");
     let place = |&(x, y): &(f64, f64)| {
         let (x, y) = (chart.across.place(x), chart.up.place(y));
         [(x - left) / (right - left) * f64::from(width), (high - y) / (high - low) * f64::from(height)]
@@ -168,7 +176,8 @@ fn marks(paths: &mut String, chart: &Chart, (columns, rows): (Range<i32>, Range<
     if let Some(field) = &chart.field {
         cells(paths, field, place);
     }
-    for curve in &chart.curves {
+    let mut dots = String::new();
+    for curve in chart.curves.iter().filter(|curve| !curve.is_hidden) {
         if !curve.bars.is_empty() {
             let ends = curve
                 .points
@@ -178,10 +187,21 @@ fn marks(paths: &mut String, chart: &Chart, (columns, rows): (Range<i32>, Range<
             path(paths, curve.colour, Mark::Line(1.0), ends);
         }
         for mark in curve.mark.parts().into_iter().flatten() {
-            path(paths, curve.colour, mark, curve.points.iter().map(place));
+            let is_line = matches!(mark, Mark::Line(_) | Mark::Dashes(_));
+            // A dot at the end of an axis is whole.
+            let is_on = |at: f64, length: i32| is_line || (-0.5..=f64::from(length) + 0.5).contains(&at);
+            let is_shown = |&[x, y]: &[f64; 2]| is_on(x, width) && is_on(y, height);
+            let points = || curve.points.iter().map(place).filter(is_shown);
+            let to = if is_line { &mut *paths } else { &mut dots };
+            if chart.field.is_some() {
+                // With a light edge it is seen on each colour of the cells.
+                let size = mark.size() + 2.0;
+                path(to, WHITE, if is_line { Mark::Line(size) } else { Mark::Dots(size) }, points());
+            }
+            path(to, curve.colour, mark, points());
         }
     }
-    paths.push_str("</svg>\n");
+    let _ = writeln!(paths, "</svg>\n{frame} overflow=\"visible\">\n{dots}</svg>");
 }
 
 /// The cells of each colour as one path, on whole pixels.
@@ -213,7 +233,7 @@ fn scale_of(area: &Area<'_>, field: &Field) -> Drawn {
         .margin_top(8)
         .margin_right(MARGIN)
         .margin_bottom(50 + MARGIN)
-        .y_label_area_size(LEFT)
+        .y_label_area_size(room(&field.scale))
         .build_cartesian_2d(0.0..1.0, Ticked::new([bottom, top], &ticks))?;
     bar.configure_mesh()
         .disable_mesh()
@@ -245,7 +265,7 @@ const SAMPLE: [i32; 3] = [26, 7, 16];
 fn entries(curves: &[Curve], width: i32) -> Vec<Entry<'_>> {
     let (mut row, mut left) = (0, MARGIN + LEFT);
     let mut entries = Vec::new();
-    for curve in curves.iter().filter(|curve| !curve.name.is_empty()) {
+    for curve in curves.iter().filter(|curve| !curve.name.is_empty() && !curve.is_hidden) {
         let wide = SAMPLE[0] + SAMPLE[1] + width_of(&curve.name, TEXT.1);
         if left > MARGIN + LEFT && left + wide > width - MARGIN {
             (row, left) = (row + 1, MARGIN + LEFT);
@@ -341,7 +361,6 @@ fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::chart::Axis;
     use crate::report::svg::{BLUE, GREEN};
 
     fn plot(across: Axis, curves: Vec<Curve>) -> String {
@@ -389,6 +408,21 @@ mod tests {
         for name in names {
             assert_eq!(texts(&svg).iter().filter(|text| text.2 == name).count(), 1, "{name}");
         }
+    }
+
+    #[test]
+    fn a_narrow_chart_has_readable_lines_of_its_note_and_whole_dots_at_its_ends() {
+        let dots = Curve::new("", BLUE, Mark::Dots(6.0), [(0.0, 0.0), (1.0, 1.0), (2.0, 1.0)]);
+        let [across, up] = ["x", "y"].map(|title| Axis::linear(title, [0.0, 1.0], 5));
+        let note = "not drawn: 72 runs ".repeat(6);
+        let svg = draw(300, "", &[Chart { note, ..Chart::new("", across, up, vec![dots]) }], None);
+        let svg = svg.expect("a picture");
+        let sizes = svg.split("font-size=\"").skip(1).map(|rest| rest.split('"').next()?.parse().ok());
+        let least = sizes.map(|size: Option<f64>| size.expect("a size")).fold(f64::INFINITY, f64::min);
+        assert!((14.5..15.0).contains(&least), "7 pt are 14.5: {least}");
+        assert!(!texts(&svg).iter().any(|text| text.2.ends_with("72")), "a number without its unit");
+        let whole = svg.split("overflow=\"visible\"").nth(1).expect("dots");
+        assert_eq!(whole.matches("h0").count(), 2, "the third is beyond the axis");
     }
 
     #[test]

@@ -157,6 +157,7 @@ fn curve(curve: &Curve, chart: &Chart) -> Value {
         "dashed": matches!(line, Some(Mark::Dashes(_))),
         "dot": dot.map_or(0.0, Mark::size),
         "ring": matches!(dot, Some(Mark::Rings(_))),
+        "hidden": curve.is_hidden,
     });
     let (rows, x): (Vec<usize>, Vec<f64>) = if chart.is_orbit {
         curve.points.iter().map(|point| point.0).enumerate().unzip()

@@ -1,5 +1,6 @@
 //! The parameters of a scene in a few words, for the title of a picture; keys as titles of axes; numbers with a prefix of their unit.
 
+use super::chart::Axis;
 use super::svg::decimal;
 use crate::outcome::Margins;
 use crate::scene_file::{Excitation, Load, Scene, rows_of};
@@ -31,6 +32,15 @@ pub(crate) fn scaled(word: &str, unit: &str, values: impl Iterator<Item = f64>) 
 pub(crate) fn with_unit(value: f64, unit: &str) -> String {
     let (prefix, factor) = prefix(value.abs());
     format!("{} {prefix}{unit}", decimal(value * factor, 4))
+}
+
+/// The axis of a key between two values, and the factor to the unit that it shows. A logarithmic one has powers of ten of the key's own.
+pub(crate) fn axis_of(key: &str, is_logarithmic: bool, ends: [f64; 2]) -> (Axis, f64) {
+    let (words, unit) = words_and_unit(key);
+    let has_prefix = !is_logarithmic && ["m", "s", "V", "A", "F", "Ω", "Hz"].contains(&unit.as_str());
+    let (title, factor) =
+        if has_prefix { scaled(&words, &unit, ends.into_iter()) } else { (label(key), 1.0) };
+    (Axis::scaled(is_logarithmic, title, ends.map(|end| factor * end)), factor)
 }
 
 /// Values with their unit and as many digits, from three on, as leave each within a tenth of its distance to the next one.

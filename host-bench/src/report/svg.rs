@@ -112,12 +112,40 @@ pub(crate) fn logarithmic_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
         return whole.into_iter().step_by(every).collect();
     }
     let few = [1.0_f64, 2.0, 5.0].map(f64::log10);
-    let finer: Vec<f64> = decades().flat_map(|decade| few.map(|part| decade + part)).filter(within).collect();
+    let mut finer: Vec<f64> =
+        decades().flat_map(|decade| few.map(|part| decade + part)).filter(within).collect();
     if finer.len() > 2 {
+        // An end has a number too if it is round and not near another.
+        for (at, end) in [(finer.len(), high), (0, low)] {
+            let digit = 10f64.powf(end.rem_euclid(1.0));
+            let is_apart = finer.iter().all(|tick| (tick - end).abs() > 0.15 * (high - low));
+            if is_apart && (digit - digit.round()).abs() < 1e-6 {
+                finer.insert(at, digit.round().log10() + end.floor());
+            }
+        }
         return finer;
     }
     let ticks = linear_ticks(10f64.powf(low), 10f64.powf(high), count);
     ticks.into_iter().filter(|value| *value > 0.0).map(f64::log10).collect()
+}
+
+/// Places from 0 to 1 of round numbers and of both ends of an axis with these rising numbers at equal distances.
+pub(crate) fn even_ticks(numbers: &[f64]) -> Vec<f64> {
+    let last = numbers.len() - 1;
+    let mut places = vec![0.0, 1.0];
+    // The roundest first.
+    let counts = [5, 10, 20, 50, 100, 200];
+    for tick in counts.into_iter().flat_map(|count| linear_ticks(numbers[0], numbers[last], count)) {
+        let above = numbers.partition_point(|number| *number < tick).clamp(1, last);
+        let part = (tick - numbers[above]) / (numbers[above] - numbers[above - 1]);
+        let at = (above as f64 + part) / last as f64;
+        // Room for the number in a narrow column.
+        if places.iter().all(|other| (other - at).abs() > 0.16) {
+            places.push(at);
+        }
+    }
+    places.sort_by(f64::total_cmp);
+    places
 }
 
 /// An axis with ticks of one's own, as the drawing library wants it.
@@ -221,10 +249,13 @@ mod tests {
             shown(ticks.iter().map(|exponent| 10f64.powf(*exponent)).collect(), true)
         };
         assert_eq!(labels(1e3, 1e4), ["1000", "2000", "5000", "10000"]);
-        assert_eq!(labels(2e5, 4e6), ["2·10⁵", "5·10⁵", "10⁶", "2·10⁶"]);
+        assert_eq!(labels(2e5, 4e6), ["2·10⁵", "5·10⁵", "10⁶", "2·10⁶", "4·10⁶"]);
         assert_eq!(shown(vec![-1e-3, 0.0, 2e-3], false), ["-10⁻³", "0", "2·10⁻³"]);
         assert_eq!(shown(linear_ticks(0.0, 0.02, 4), false), ["0", "0.005", "0.01", "0.015", "0.02"]);
         assert_eq!(labels(2.5, 4.6), ["2.5", "3", "3.5", "4", "4.5"]);
+        let wide = even_ticks(&[18.0, 19.8, 20.0, 20.1, 20.2, 20.4, 22.0]);
+        let expected = [0.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|place| place / 6.0);
+        assert!(wide.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-9), "{wide:?}");
         assert_eq!(labels(1e6, 1e9), ["10⁶", "10⁷", "10⁸", "10⁹"]);
     }
 }

@@ -65,7 +65,7 @@ pub(crate) fn terminal(chart: &Chart, rows: usize) -> String {
     shade(chart, &mut canvas, rows);
     let mut legend = String::new();
     let mut letters = LETTERS.into_iter().cycle();
-    for curve in &chart.curves {
+    for curve in chart.curves.iter().filter(|curve| !curve.is_hidden) {
         let [line, dot] = curve.mark.parts();
         let letter = dot.and_then(|_| letters.next());
         let is_dashed = matches!(line, Some(Mark::Dashes(_)));
@@ -83,8 +83,9 @@ pub(crate) fn terminal(chart: &Chart, rows: usize) -> String {
             }
         }
         if !curve.name.is_empty() {
-            let sample =
-                letter.map_or_else(|| if is_dashed { "⠒ ⠒" } else { "⠒⠒⠒" }.to_owned(), String::from);
+            let is_upright = curve.points.windows(2).all(|pair| pair[0].0 == pair[1].0);
+            let line = if is_dashed { "⠒ ⠒" } else { ["⠒⠒⠒", "⡇"][usize::from(is_upright)] };
+            let sample = letter.map_or_else(|| line.to_owned(), String::from);
             add_entry(&mut legend, &format!("{sample} {}", curve.name));
         }
     }

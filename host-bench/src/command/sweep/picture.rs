@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use crate::report::Picture;
 use crate::report::chart::{self, Chart, Curve, FITTING, Mark};
-use crate::report::setting::{distinct_labels, label, scaled, words_and_unit};
+use crate::report::setting::{axis_of, distinct_labels, scaled, words_and_unit};
 use crate::report::svg::{BLUE, VERMILION, shade};
 
 /// Most curves of one chart.
@@ -58,14 +58,16 @@ pub(in crate::command) fn picture(
     (!charts.is_empty()).then_some(Picture { title, width: 900, charts, ..Picture::default() })
 }
 
-fn across(axis: &Axis) -> chart::Axis {
-    let span = [axis.value(0), axis.value(axis.count() - 1)];
-    chart::Axis::scaled(axis.logarithmic, label(&axis.key), span)
+/// The axis of a chart, and the factor to the unit that it shows.
+fn across(axis: &Axis) -> (chart::Axis, f64) {
+    axis_of(&axis.key, axis.logarithmic, [axis.value(0), axis.value(axis.count() - 1)])
 }
 
 /// A quantity over one axis. Its line has a gap where it jumps.
 fn curve(words: Labels<'_>, axis: &Axis, (name, values): &(String, Vec<Option<f64>>)) -> Chart {
-    let point = |(index, value): (usize, &Option<f64>)| Some((index, (axis.value(index), (*value)?)));
+    let (across, factor) = across(axis);
+    let point =
+        |(index, value): (usize, &Option<f64>)| Some((index, (factor * axis.value(index), (*value)?)));
     let points: Vec<(usize, (f64, f64))> = values.iter().enumerate().filter_map(point).collect();
     let line = Curve::new("", BLUE, Mark::Dotted([1.8, 6.0]), points.iter().map(|(_, point)| *point));
     let mut curves = vec![line.broken_at_jumps()];
@@ -76,7 +78,7 @@ fn curve(words: Labels<'_>, axis: &Axis, (name, values): &(String, Vec<Option<f6
     let rings = Curve::new(why, VERMILION, Mark::Rings(9.0), rings.map(|(_, point)| *point));
     curves.extend(Some(rings).filter(|rings| !rings.points.is_empty()));
     let up = chart::Axis::linear(name.as_str(), FITTING, 7);
-    Chart { note: note.to_owned(), ..Chart::new("", across(axis), up, curves).grouped("over", 320) }
+    Chart { note: note.to_owned(), ..Chart::new("", across, up, curves).grouped("over", 320) }
 }
 
 /// The cells over both axes.
@@ -90,9 +92,11 @@ fn map(words: Labels<'_>, axes: [&Axis; 2], (name, values): &(String, Vec<Option
     let at = |row: usize, column: usize| values.get(row * columns.len() + column).copied().flatten();
     let cells = rows.iter().flat_map(|&row| columns.iter().map(move |&column| (row, column)));
     let cells = cells.map(|(row, column)| at(row, column)).collect();
-    let middles = [(axes[0], &columns), (axes[1], &rows)]
-        .map(|(axis, order)| order.iter().map(|&index| axis.value(index)).collect());
-    let map = Chart::map(axes.map(across), middles, chart::Axis::linear(name.as_str(), FITTING, 8), cells);
+    let [(first, to_first), (second, to_second)] = axes.map(across);
+    let middles = [(axes[0], &columns, to_first), (axes[1], &rows, to_second)]
+        .map(|(axis, order, factor)| order.iter().map(|&index| factor * axis.value(index)).collect());
+    let scale = chart::Axis::linear(name.as_str(), FITTING, 8);
+    let map = Chart::map([first, second], middles, scale, cells);
     let note = if map.has_white() { format!("white: {}", words.without) } else { String::new() };
     Chart { note, ..map }
 }
@@ -100,18 +104,20 @@ fn map(words: Labels<'_>, axes: [&Axis; 2], (name, values): &(String, Vec<Option
 /// A curve over the axis for each value of the rows, or for every so many of them.
 fn family(rows: &Axis, axis: &Axis, (name, values): &(String, Vec<Option<f64>>)) -> Chart {
     let every = rows.count().div_ceil(MOST);
+    let (across, factor) = across(axis);
     let (words, unit) = words_and_unit(&rows.key);
     let drawn: Vec<usize> = (0..rows.count()).step_by(every).collect();
     let labels = distinct_labels(&drawn.iter().map(|row| rows.value(*row)).collect::<Vec<_>>(), &unit);
     let curve = |(&row, label): (&usize, &String)| {
         let value = |column: usize| values.get(row * axis.count() + column).copied().flatten();
-        let points = (0..axis.count()).filter_map(|column| Some((axis.value(column), value(column)?)));
+        let point = |column| Some((factor * axis.value(column), value(column)?));
+        let points = (0..axis.count()).filter_map(point);
         // The lightest yellow would not be seen on white.
         let colour = shade(row as f64, 0.0, 1.15 * (rows.count() - 1) as f64);
         Curve::new(format!("{words} = {label}"), colour, Mark::Dotted([1.6, 5.0]), points).broken_at_jumps()
     };
     let curves = drawn.iter().zip(&labels).map(curve).collect();
-    let chart = Chart::new("", across(axis), chart::Axis::linear(name.as_str(), FITTING, 7), curves);
+    let chart = Chart::new("", across, chart::Axis::linear(name.as_str(), FITTING, 7), curves);
     let note = format!("{} of the {} values of {words} are drawn.", drawn.len(), rows.count());
     let note = if every > 1 { note } else { String::new() };
     Chart { note, is_of_page: true, ..chart.grouped("over", 360) }
