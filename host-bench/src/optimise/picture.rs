@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use super::{Optimum, Point, Range, Request};
 use crate::report::Picture;
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
-use crate::report::setting::{label, number_and_unit, scaled};
+use crate::report::setting::{axis_of, number_and_unit, scaled};
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, tick};
 
 /// The title is plain text.
@@ -42,21 +42,24 @@ fn note((request, quantity, factor): &Shown<'_>, point: &Point) -> String {
 /// Points with their values in a colour; nothing where there are none.
 fn dots<'a>(
     shown: &Shown<'_>,
-    (name, colour, size): (&str, RGBColor, f64),
+    (name, colour, mark): (&str, RGBColor, Mark),
     points: impl Iterator<Item = (&'a Point, (f64, f64))>,
 ) -> Option<Curve> {
     let noted = points.map(|(point, place)| (place, note(shown, point)));
-    Curve::noted(name, colour, Mark::Dots(size), noted)
+    Curve::noted(name, colour, mark, noted)
 }
 
-fn axis(key: &Range) -> Axis {
-    Axis::scaled(key.is_logarithmic, label(&key.key), [key.low, key.high])
+/// The axis of a key, and the factor to the unit that it shows.
+fn axis(key: &Range) -> (Axis, f64) {
+    axis_of(&key.key, key.is_logarithmic, [key.low, key.high])
 }
 
 /// The value over the only key.
 fn curve(found: &Optimum, shown: &Shown<'_>, key: &Range) -> Chart {
     let (request, quantity, factor) = shown;
-    let place = |point: &Point| Some((key.value(point.place[0]), factor * request.signed(point.value()?)));
+    let (across, to_shown) = axis(key);
+    let place =
+        |point: &Point| Some((to_shown * key.value(point.place[0]), factor * request.signed(point.value()?)));
     let mut points: Vec<(&Point, (f64, f64))> =
         found.points.iter().filter_map(|point| Some((point, place(point)?))).collect();
     points.sort_by(|one, other| one.1.0.total_cmp(&other.1.0));
@@ -68,45 +71,49 @@ fn curve(found: &Optimum, shown: &Shown<'_>, key: &Range) -> Chart {
     let others = found.others.iter().filter_map(|(point, _)| Some((point, place(point)?)));
     let curves = [
         Some(line.broken_at_jumps()),
-        dots(shown, ("runs", BLUE, 6.0), feasible(true)),
-        dots(shown, ("runs that break a constraint", BLACK, 5.0), feasible(false)),
-        dots(shown, ("other optima", GREEN, 10.0), others.into_iter()),
-        dots(shown, ("the best point", VERMILION, 10.0), best.into_iter()),
+        dots(shown, ("runs", BLUE, Mark::Dots(6.0)), feasible(true)),
+        dots(shown, ("runs that break a constraint", BLACK, Mark::Rings(6.0)), feasible(false)),
+        dots(shown, ("other optima", BLACK, Mark::Rings(11.0)), others.into_iter()),
+        dots(shown, ("the best point", VERMILION, Mark::Dots(11.0)), best.into_iter()),
     ];
     let up = Axis::linear(quantity.as_str(), FITTING, 7);
-    Chart { height: 420, ..Chart::new("", axis(key), up, curves.into_iter().flatten().collect()) }
+    Chart { height: 420, ..Chart::new("", across, up, curves.into_iter().flatten().collect()) }
 }
 
-/// The grid over two keys with all runs; with more keys, each cell has the best value over the others, if a point keeps the
-/// constraints.
+/// All runs over the first two keys: the colour of a cell is the best value found in it that keeps the constraints.
 fn map(found: &Optimum, shown: &Shown<'_>, keys: [&Range; 2]) -> Chart {
     let (request, quantity, factor) = shown;
     let count = request.grid;
-    let others = count.pow(u32::try_from(request.ranges.len()).unwrap_or(2) - 2);
-    let (grid, searched) = found.points.split_at(count * count * others);
-    let best = |points: &[Point]| points.iter().filter_map(Point::feasible).reduce(f64::max);
-    let cells =
-        grid.chunks_exact(others).map(|points| best(points).map(|value| factor * request.signed(value)));
+    let nearest = |part: f64| (part.clamp(0.0, 1.0) * (count - 1) as f64).round() as usize;
+    let mut cells: Vec<Option<f64>> = vec![None; count * count];
+    for point in found.points.iter().chain([&found.best]) {
+        let cell = &mut cells[nearest(point.place[0]) * count + nearest(point.place[1])];
+        *cell = cell.iter().copied().chain(point.feasible()).reduce(f64::max);
+    }
+    let cells = cells.into_iter().map(|best| best.map(|value| factor * request.signed(value)));
     let part = |index: usize| index as f64 / (count - 1) as f64;
-    let middles = keys.map(|key| (0..count).map(|index| key.value(part(index))).collect());
+    let [(across, to_across), (up, to_up)] = keys.map(axis);
+    let at = |columns: f64, rows: f64| (to_across * keys[0].value(columns), to_up * keys[1].value(rows));
+    let middles = (0..count).map(|index| at(part(index), part(index))).unzip::<_, _, Vec<_>, Vec<_>>();
     let scale = Axis::linear(quantity.as_str(), FITTING, 8);
-    let mut chart = Chart::map(keys.map(axis), middles, scale, cells.collect());
-    let place = |point: &Point| (keys[0].value(point.place[1]), keys[1].value(point.place[0]));
-    let searched = searched.iter().map(|point| (point, place(point)));
+    let mut chart = Chart::map([across, up], middles.into(), scale, cells.collect());
+    let place = |point: &Point| at(point.place[1], point.place[0]);
+    let searched = found.points.iter().skip(count.pow(request.ranges.len() as u32));
+    let searched = searched.map(|point| (point, place(point)));
     let best = std::iter::once((&found.best, place(&found.best)));
     let optima = found.others.iter().map(|(point, _)| (point, place(point)));
     let curves = [
-        dots(shown, ("runs between the points and of the searches", BLACK, 4.0), searched),
-        dots(shown, ("other optima", GREEN, 12.0), optima),
-        dots(shown, ("the best point", VERMILION, 12.0), best),
+        dots(shown, ("runs between the points and of the searches", BLACK, Mark::Dots(2.5)), searched),
+        dots(shown, ("other optima", BLACK, Mark::Rings(13.0)), optima),
+        dots(shown, ("the best point", VERMILION, Mark::Dots(13.0)), best),
     ];
     chart.curves.extend(curves.into_iter().flatten());
-    let white = "white: no point of the grid has a value there and keeps the constraints";
     let notes = [
-        chart.has_white().then_some(white),
-        (others > 1).then_some("each cell has the best value of the grid over the other keys"),
+        Some("the colour of a cell is the best value found in it"),
+        (request.ranges.len() > 2).then_some("over the other keys"),
+        chart.has_white().then_some("white: none that keeps the constraints"),
     ];
-    Chart { note: notes.into_iter().flatten().collect::<Vec<_>>().join("; "), ..chart }
+    Chart { note: notes.into_iter().flatten().collect::<Vec<_>>().join(", "), ..chart }
 }
 
 /// The value of each run in their order, and the best so far.
@@ -126,12 +133,13 @@ fn history(found: &Optimum, shown: &Shown<'_>) -> Chart {
         *best = best.iter().copied().chain(point.feasible()).reduce(f64::max);
         Some(best.map(|best| (number, factor * request.signed(best))))
     });
+    let broken = of(true, false).chain(of(false, false));
     let curves = [
         // Below the runs, which the pointer then finds first.
         Some(Curve::new("the best so far", VERMILION, Mark::Line(1.6), steps.flatten())),
-        dots(shown, ("grid", BLUE, 5.0), of(true, true)),
-        dots(shown, ("searches", GREEN, 5.0), of(false, true)),
-        dots(shown, ("runs that break a constraint", BLACK, 4.0), of(true, false).chain(of(false, false))),
+        dots(shown, ("grid", BLUE, Mark::Dots(5.0)), of(true, true)),
+        dots(shown, ("searches", GREEN, Mark::Rings(5.0)), of(false, true)),
+        dots(shown, ("runs that break a constraint", BLACK, Mark::Dots(2.5)), broken),
     ];
     let across = Axis::linear("run", [1.0, found.points.len() as f64], 8);
     let up = Axis::linear(quantity.as_str(), FITTING, 6);
