@@ -100,6 +100,10 @@ pub(super) fn run(arguments: &MapArguments) -> Result<(), Failure> {
     for file in files.iter().flatten() {
         outputs.check("--output", file)?;
     }
+    if let Some([_, own]) = files.as_ref().filter(|files| arguments.picture.as_ref() == Some(&files[1])) {
+        let reason = "--output writes this picture: leave --picture out";
+        return Err(Failure::Input(format!("--picture {}: {reason}", own.display())));
+    }
     outputs.check_picture("--picture", &arguments.picture)?;
     let options = &arguments.scene.options;
     let found = with_progress(0, |bar| map::map(&scene, &request, options, &counted_on(bar)))?;

@@ -17,8 +17,6 @@ use crate::report::svg::{BLACK, VERMILION};
 const CELLS: [usize; 2] = [128, 64];
 /// Cells over amplitude of which [`best`] is the largest.
 const ROWS: usize = 48;
-/// Light enough on the darkest cells, and seen on white.
-const LIGHT: RGBColor = RGBColor(216, 222, 228);
 /// Which motions the map has in a cell.
 const REGIMES: [&str; 4] = [
     "one motion, the lower one",
@@ -132,7 +130,7 @@ fn boundaries(map: &Map, slice: usize) -> Vec<Curve> {
     let curve = |name: &str, mark: Mark, levels: Vec<f64>| {
         let points = levels.into_iter().enumerate();
         let points = points.map(|(index, level)| (index as f64 / last, amplitude_of(level).clamp(low, high)));
-        Curve::new(name, LIGHT, mark, points.collect::<Vec<(f64, f64)>>())
+        Curve::new(name, BLACK, mark, points.collect::<Vec<(f64, f64)>>())
     };
     let [rising, falling] = [|column: &Column| column.rising, |column: &Column| column.falling]
         .map(|of| columns.iter().map(of).collect::<Vec<f64>>());
@@ -142,16 +140,17 @@ fn boundaries(map: &Map, slice: usize) -> Vec<Curve> {
     ]
 }
 
-/// The random places that check the map, with what the full model has there.
+/// The random places that check the map, hidden at first, with what the full model has there.
 fn places(map: &Map, slice: usize) -> Vec<Curve> {
-    let curve = |name: &str, colour: RGBColor, holds: bool| {
+    let curve = |name: &str, colour: RGBColor, mark: Mark, holds: bool| {
         let of_slice =
             map.checked.iter().filter(|judged| judged.place.slice == slice && judged.holds == holds);
         let noted = of_slice.map(|judged| (at(map, judged), note(judged)));
-        Curve::noted(name, colour, Mark::Dots(5.0), noted)
+        Curve::noted(name, colour, mark, noted).map(|curve| Curve { is_hidden: true, ..curve })
     };
-    let holds = curve("checked: the bounds hold", BLACK, true);
-    holds.into_iter().chain(curve("checked: the bounds do not hold", VERMILION, false)).collect()
+    let holds = curve("checked: the bounds hold", BLACK, Mark::Dots(5.0), true);
+    let fails = curve("checked: the bounds do not hold", VERMILION, Mark::Rings(9.0), false);
+    holds.into_iter().chain(fails).collect()
 }
 
 fn at(map: &Map, judged: &Judged) -> (f64, f64) {

@@ -195,10 +195,13 @@ fn a_picture_says_what_its_lines_and_dots_are_and_its_voltage() {
         "storage at 3.00 V",
         "the lower motion ends as the amplitude rises",
         "the upper motion ends as the amplitude falls",
-        "checked: the bounds do not hold",
     ] {
         assert!(picture.contains(words), "{words} is not in the picture");
     }
+    // A page has the places that check the map, after a click.
+    assert!(!picture.contains("checked:"), "marks of checks in the picture");
+    let page = super::picture(&map, "").and_then(|picture| picture.page()).expect("a page");
+    assert!(page.matches("\"hidden\":true").count() == 1 && page.contains("checked: the bounds do not hold"));
 }
 
 #[test]
