@@ -41,7 +41,7 @@ fn level(name: &str, colour: RGBColor, height: f64) -> Curve {
 fn steps(name: &str, index: usize, values: impl Iterator<Item = f64>) -> Curve {
     let steps = values.enumerate().map(|(hour, value)| (hour as f64, value));
     let steps = steps.flat_map(|(hour, value)| [(hour, value), (hour + 1.0, value)]);
-    Curve::new(name, COLOURS[index % COLOURS.len()], Mark::Line(2.0), steps)
+    Curve::new(name, COLOURS[index % COLOURS.len()], Mark::line(index, 2.0), steps)
 }
 
 fn hour(sample: &Sample) -> f64 {
@@ -53,7 +53,7 @@ fn stored(day: &NodeDay) -> Chart {
     let curves = vec![
         Curve::new("stored", BLUE, Mark::Line(2.0), points),
         level("full", BLACK, 1e3 * day.capacity_j),
-        level("lock-out", VERMILION, 1e3 * day.turn_off_j),
+        Curve { mark: Mark::Line(1.0), ..level("lock-out", VERMILION, 1e3 * day.turn_off_j) },
     ];
     chart("Storage", "stored energy [mJ]", curves)
 }

@@ -47,8 +47,7 @@ pub(crate) fn picture(harvester: &str, extent: &Extent, line: &Timeline) -> Pict
     let chart = |title: &str, up: &str, first: Option<Curve>, of: &dyn Fn(&Run) -> Vec<(f64, f64)>| {
         // Over another a curve is narrower, and every other one dashed: both are seen where they are one.
         let curve = |((at, (name, run)), colour): ((usize, &(Name, Run)), RGBColor)| {
-            let (width, points) = (7.5 - at as f64, of(run));
-            let mark = if at % 2 == 0 { Mark::Line(width) } else { Mark::Dashes(width) };
+            let (mark, points) = (Mark::line(at, 7.5 - at as f64), of(run));
             let none = if points.iter().any(|point| point.1 > 0.0) { "" } else { ": none" };
             Curve::new(format!("{name:?}{none}").to_lowercase(), colour, mark, points)
         };

@@ -124,13 +124,11 @@ fn plot(title: &str, up: &'static str, curves: Vec<Curve>) -> Chart {
 
 pub(super) fn six(tip: &Motion, [base, note]: [&str; 2]) -> Figure {
     let plots = [
-        ("Figure 6 (a)", "displacement [µm]", BLUE, STOP_POINT, 1e6),
-        ("Figure 6 (b)", "contact force [N]", VERMILION, CONTACT_FORCE, 1.0),
-        ("Figure 6 (c)", "voltage [V]", GREEN, VOLTAGE, 1.0),
+        (format!("Figure 6 (a): {base}"), "displacement [µm]", BLUE, STOP_POINT, 1e6),
+        ("(b)".to_owned(), "contact force [N]", VERMILION, CONTACT_FORCE, 1.0),
+        ("(c)".to_owned(), "voltage [V]", GREEN, VOLTAGE, 1.0),
     ]
-    .map(|(title, up, colour, column, scale)| {
-        plot(&format!("{title}: {base}"), up, vec![curve("", colour, tip, column, scale)])
-    });
+    .map(|(title, up, colour, column, scale)| plot(&title, up, vec![curve("", colour, tip, column, scale)]));
     Figure {
         label: "Figure 6",
         title: "Displacement, contact force and voltage with the stop at the tip",
@@ -149,7 +147,7 @@ pub(super) fn six(tip: &Motion, [base, note]: [&str; 2]) -> Figure {
 
 pub(super) fn eight([tip, none]: [&Motion; 2], [base, note]: [&str; 2]) -> Figure {
     let curves = vec![
-        curve("without impact", BLUE, none, VOLTAGE, 1.0),
+        Curve { mark: Mark::Dashes(1.4), ..curve("without impact", BLUE, none, VOLTAGE, 1.0) },
         curve("with impact, stop at the tip", VERMILION, tip, VOLTAGE, 1.0),
     ];
     let plot = plot(&format!("Figure 8: {base}"), "voltage [V]", curves);
@@ -168,7 +166,7 @@ pub(super) fn eight([tip, none]: [&Motion; 2], [base, note]: [&str; 2]) -> Figur
 
 pub(super) fn nine([tip, mid, none]: [&Motion; 3], [base, note]: [&str; 2]) -> Figure {
     let curves = vec![
-        curve("no stop", BLUE, none, VOLTAGE, 1.0),
+        Curve { mark: Mark::Dashes(1.4), ..curve("no stop", BLUE, none, VOLTAGE, 1.0) },
         curve("stop at mid-span", BLACK, mid, VOLTAGE, 1.0),
         curve("stop at the tip", VERMILION, tip, VOLTAGE, 1.0),
     ];

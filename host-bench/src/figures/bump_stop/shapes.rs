@@ -127,8 +127,8 @@ pub(super) fn seven(tip: &Motion, gap: f64, [base, note]: [&str; 2]) -> Result<F
         )
     };
     let plots = [
-        plot(&format!("Figure 7, displacement: {base}"), "displacement [µm]", LOWEST, 7, places),
-        plot(&format!("Figure 7, contact force: {base}"), "contact force [N]", 0.0, 6, vec![force]),
+        plot(&format!("Figure 7: {base}"), "displacement [µm]", LOWEST, 7, places),
+        plot("", "contact force [N]", 0.0, 6, vec![force]),
     ];
     Ok(Figure {
         label: "Figure 7",

@@ -102,9 +102,9 @@ pub(super) fn eight(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> F
     let up = gap_axis(&wanted);
     let panel = |letter: char, resistance: f64| {
         let sweeps = wanted.iter().filter(|sweep| sweep.resistance == resistance);
-        let curves = sweeps.zip(COLOURS).map(|(sweep, colour)| {
+        let curves = sweeps.zip(COLOURS).enumerate().map(|(at, (sweep, colour))| {
             let name = format!("{} µC/m²", sweep.charge_density);
-            Curve::new(name, colour, Mark::Line(1.8), sweep.points()).broken_at_jumps()
+            Curve::new(name, colour, Mark::line(at, 1.8), sweep.points()).broken_at_jumps()
         });
         let title = format!("Figure 8 ({letter}): load {resistance} MΩ, {base}");
         let chart = Chart::new(title, frequency_axis(grid.span(), 9), up.clone(), curves.collect());
