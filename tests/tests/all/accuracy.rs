@@ -214,12 +214,14 @@ fn steps_that_are_given_at_a_rigid_stop_without_a_gap_are_warned() {
     assert!(totals.iter().all(|total| *total > 0.0105), "{totals:?}");
 }
 
-/// A case of seed 631: half of its steps and a quarter of them agree by chance, nine times as well as they are right.
+/// A case of seed 631: half of its steps and a quarter of them agreed by chance, nine times as well as they were right, before the current
+/// of the bridge ended long steps.
 #[test]
 fn steps_that_agree_by_chance_behind_a_bridge_are_within_the_statement() {
     let scene = draw_varied(631, 16_758).read().expect("a scene");
     let exact = value(run_scene(&scene, &reference()).expect("runs").mean_power_w);
-    assert!(error_within_statement(&scene, &single(Options::default()), exact) > 1e-4);
+    let error = error_within_statement(&scene, &single(Options::default()), exact);
+    assert!(error > 1e-6, "{error}");
 }
 
 /// Kilovolts of the charges cancel to a tenth of a millivolt: single precision loses the RMS voltage, and nothing else.
