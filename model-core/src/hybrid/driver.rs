@@ -255,7 +255,12 @@ impl<M, C> Driver<M, C> {
             break (TakenStep { trial, ticks, event, searched: event.is_some(), memo }, control);
         };
         if taken.ticks < proposed {
+            let judged = control.ticks;
             control.keep_proposal(&state.control);
+            if M::PREDICTS && self.control.lengthening() > S::ONE {
+                // The longest step binds here, not the error.
+                control.ticks = control.ticks.max(judged);
+            }
         }
         if !M::PREDICTS && first_event(&attempts, &mut taken, automaton.guards(state.mode), work).is_err() {
             return shorten(&mut state.control, work);
