@@ -50,8 +50,8 @@ pub(super) fn run(
     }
     warnings(found).for_each(|warning| warn(&warning));
     if let (Format::Table, false, Some(best)) = (arguments.scene.format, is_quiet(), best(found)) {
-        note(&best_text(best));
-        doubt(axes, &points, best).iter().for_each(|doubt| warn(doubt));
+        note(&best_text(found, best));
+        doubt(axes, &points, found, best).iter().for_each(|doubt| warn(doubt));
     }
     let picture = match arguments.output {
         Some(_) => picture_of(axes, &points, found)?,
@@ -89,7 +89,7 @@ pub(super) fn drawn(arguments: &PointArguments, axis: Axis) -> Result<Picture, F
     let none = || Failure::Input("no point could be run to its end".to_owned());
     let found = points.run(&[])?.ok_or_else(none)?.points;
     let best = best(&found);
-    let doubt = best.and_then(|best| doubt(axes, &points, best)).into_iter();
+    let doubt = best.and_then(|best| doubt(axes, &points, &found, best)).into_iter();
     let warnings = warnings(&found).chain(doubt).map(|warning| format!("warning: {warning}"));
     let best = best.map(|best| refined_text(&axes[0], &points, &found, best)).into_iter();
     let lines: Vec<String> = best.chain(warnings).map(|line| folded(&line, 2)).collect();
@@ -173,11 +173,22 @@ fn table(points: &[Point]) -> String {
     rows_of(points).table(presets::NOTHING, &columns, columns.len())
 }
 
+/// What is drawn: of the harvester and of the node, without what is the same at all points, unless all of it is.
 fn quantities(points: &[Point]) -> Vec<Quantity> {
-    let quantity = |name, unit, field| Quantity {
+    let quantity = |(name, unit, field)| Quantity {
         name,
         unit,
         values: points.iter().map(|point| point.number(field)).collect(),
     };
-    vec![quantity("mean power", "W", "mean_power_w"), quantity("RMS voltage", "V", "rms_voltage_v")]
+    let of_run = [("mean power", "W", "mean_power_w"), ("RMS voltage", "V", "rms_voltage_v")].map(quantity);
+    let of_node = [
+        ("runs of the node", "", "node_runs"),
+        ("lock-outs of the node", "", "node_lockouts"),
+        ("lowest voltage of the storage", "V", "node_lowest_voltage_v"),
+    ];
+    let of_node = of_node.map(quantity).into_iter().filter(|node| node.values.iter().any(Option::is_some));
+    let all: Vec<Quantity> = of_run.into_iter().chain(of_node).collect();
+    let changes = |one: &&Quantity| one.values.iter().any(|value| *value != one.values[0]);
+    let changed: Vec<Quantity> = all.iter().filter(changes).cloned().collect();
+    if changed.is_empty() { all } else { changed }
 }

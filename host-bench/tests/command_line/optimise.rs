@@ -214,8 +214,7 @@ fn both_power_peaks_of_a_coupled_beam_are_found() {
         "excitation.amplitude_m_per_s2=0.2g",
     ];
     let over = ["--over", "parameters.beam_length_m=25m:45m", "--over", "load.resistance_ohm=1k:1M:log"];
-    let found =
-        found(&[&[&file, "--maximise", "mean_power_w"], &set(&sets)[..], &over].concat());
+    let found = found(&[&[&file, "--maximise", "mean_power_w"], &set(&sets)[..], &over].concat());
     let optima = [&found, &found["other_optima"][0]];
     let [best, other] = optima.map(|one| {
         let key = |key: &str| number(&one["point"][key]);

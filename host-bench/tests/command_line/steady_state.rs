@@ -25,6 +25,10 @@ fn a_sweep_has_the_verdict_as_a_column_and_tells_its_price() {
     let verdicts: Vec<&str> = rows.iter().map(|row| row["steady_state"].as_str()).collect();
     assert!(["unstable-period-1", "none"].contains(&verdicts[0]), "{verdicts:?}");
     assert_eq!(verdicts[1], "stable-period-1");
+    // At no point an orbit: there is nothing to divide by.
+    let none = ["sweep", SHIPPED, "--over", "excitation.frequency_hz=19.1:19.2:2", "--steady-state"];
+    let [_, told] = printed(&[&none[..], &FAST[..], &["--no-accuracy"]].concat());
+    assert!(told.contains("0 of 2 points: none of them") && !told.contains("NaN"), "{told}");
     // Without an orbit the window is that of the scene.
     assert_eq!(rows[0]["settle_s"], "0.5");
     let table = accepted(&[&grid[..], &FAST[..]].concat());

@@ -43,14 +43,17 @@ pub(super) fn best(points: &[Point]) -> Option<(usize, &Point, f64)> {
     powers.max_by(|one, other| one.2.total_cmp(&other.2)).filter(|_| points.len() > 1)
 }
 
-pub(super) fn best_text((_, point, power): (usize, &Point, f64)) -> String {
+pub(super) fn best_text(points: &[Point], (_, point, power): (usize, &Point, f64)) -> String {
     let accuracy = point.found.as_ref().ok().and_then(|fields| fields.get("accuracy"));
     let stated = match (accuracy.and_then(|accuracy| accuracy.get("total")?.as_f64()), point.is_stated()) {
         (Some(total), _) => format!(", stated error {total:.1e}"),
         (None, true) => ", stated error unknown".to_owned(),
         (None, false) => String::new(),
     };
-    format!("largest mean_power_w {power:.3e} at {}{stated}", point.place())
+    match is_level(points) {
+        true => format!("mean_power_w {power:.3e} at all points: the keys do not change it{stated}"),
+        false => format!("largest mean_power_w {power:.3e} at {}{stated}", point.place()),
+    }
 }
 
 /// The best point of a curve in words; between two others that of a further run, at the vertex of the parabola through the three.
@@ -62,7 +65,7 @@ pub(super) fn refined_text(
 ) -> String {
     let power = |at: usize| found.get(at)?.number("mean_power_w");
     let Some((left, right)) = at.checked_sub(1).and_then(|before| power(before).zip(power(at + 1))) else {
-        return best_text(best) + ", at an end of the curve";
+        return best_text(found, best) + ", at an end of the curve";
     };
     let vertex = at as f64 + 0.5 * (left - right) / (left - 2.0 * top + right);
     let value = axis.at(vertex / (axis.count() - 1) as f64);
@@ -75,16 +78,27 @@ pub(super) fn refined_text(
                 axis.key
             )
         }
-        None => best_text(best),
+        None => best_text(found, best),
     }
 }
 
-/// The warning of a best point that may be a lucky one.
+/// Whether all points have the same mean power: none of them is the best.
+fn is_level(points: &[Point]) -> bool {
+    let mut powers = points.iter().map(|point| point.number("mean_power_w"));
+    let first = powers.next();
+    powers.all(|power| Some(power) == first)
+}
+
+/// The warning of a best point that may be a lucky one: neither one of all, nor the mean of an ensemble, whose error is stated.
 pub(super) fn doubt(
     axes: &[Axis],
     points: &Points<'_>,
+    found: &[Point],
     (index, point, value): (usize, &Point, f64),
 ) -> Option<String> {
+    if is_level(found) || point.number("mean_power_standard_error_w").is_some() {
+        return None;
+    }
     let options = points.arguments.options();
     let own: Vec<f64> = point.values.iter().map(|(_, value)| *value).collect();
     let moved: Vec<usize> = (0..axes.len()).filter(|&axis| axes[axis].count() > 1).collect();
@@ -128,13 +142,19 @@ pub(super) fn costs<'a>(points: impl Iterator<Item = &'a Compared>) -> Option<St
     };
     let ratio = |[steady, run]: [f64; 2]| run / steady;
     let of_stable = sum(&stable);
+    let each = match stable.len() {
+        0 => "none of them has a stable orbit".to_owned(),
+        count => format!(
+            "{:.0} simulated periods each, the run has {:.1} times as many",
+            of_stable[0] / count as f64,
+            ratio(of_stable)
+        ),
+    };
     let text = format!(
-        "steady state at {} of {} points: {:.0} simulated periods each, the run has {:.1} times as many; \
-         at all points, the run included where there is none, {:.1} times as many",
+        "steady state at {} of {} points: {each}; at all points, the run included where there is none, the run has {:.1} times as \
+         many",
         stable.len(),
         points.len(),
-        of_stable[0] / stable.len().max(1) as f64,
-        ratio(of_stable),
         ratio(sum(&points)),
     );
     let seconds = points.iter().filter_map(|point| point.seconds).reduce(|[a, b], [c, d]| [a + c, b + d]);
