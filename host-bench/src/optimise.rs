@@ -12,6 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use serde_json::{Map, Value, json};
 
 pub(crate) use self::picture::picture;
+use self::search::FLAT;
 pub(crate) use self::search::{most_runs, optimise};
 use crate::budget::day_numbers;
 use crate::method::{Failure, Options};
@@ -368,6 +369,16 @@ impl Optimum {
         self.doubts.iter().chain(&self.outcome.warnings)
     }
 
+    /// The motion at the best values, from another start, whose mean power is better, where that is sought.
+    pub(crate) fn better(&self, request: &Request<'_>) -> Option<[f64; 2]> {
+        let own = self.best.value().filter(|_| request.quantity == "mean_power_w")?;
+        let branches = self.outcome.branches.iter().flatten();
+        let others = branches.filter_map(|branch| Some([branch.mean_power_w?, branch.share]));
+        others
+            .filter(|[power, _]| request.signed(*power) > own + FLAT * own.abs())
+            .max_by(|one, other| request.signed(one[0]).total_cmp(&request.signed(other[0])))
+    }
+
     pub(crate) fn json(&self, request: &Request<'_>) -> Map<String, Value> {
         let of_point = |point: &Point| -> Map<String, Value> {
             Self::values(request, point).into_iter().map(|(key, value)| (key, json!(value))).collect()
@@ -393,6 +404,7 @@ impl Optimum {
             "point": of_point(&self.best),
             "range_within_1_percent": ranges(&self.flat),
             "other_optima": others,
+            "better_motion": self.better(request).map(|[value, share]| json!({ "value": value, "share_of_starts": share })),
             "searched": self.searched,
             "at_bound": by_key(&|index| json!(self.best.is_at_bound(index))),
         }));

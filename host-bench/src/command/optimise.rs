@@ -187,6 +187,10 @@ fn for_people(found: &Optimum, request: &Request<'_>) -> String {
     let mut text = String::new();
     let sought = if request.is_largest { "largest" } else { "smallest" };
     let _ = writeln!(text, "{sought} {}: {:.6e}", request.quantity, number("value"));
+    if let Some([value, share]) = found.better(request) {
+        let line = "a motion from other starts is better at these values";
+        let _ = writeln!(text, "{line}: {value:.6e}, of {:.0} % of the starts", 100.0 * share);
+    }
     let place = |point: &Point, flat: &[[f64; 2]], text: &mut String| {
         let values = Optimum::values(request, point).into_iter().zip(flat);
         for (index, ((key, value), [low, high])) in values.enumerate() {

@@ -27,7 +27,7 @@ const GAIN: f64 = 1e-4;
 /// Part of a range to which a key is narrowed down.
 const WITHIN: f64 = 1e-4;
 /// Part of the best value within which a key may move.
-const FLAT: f64 = 0.01;
+pub(super) const FLAT: f64 = 0.01;
 /// Steps in which the end of a flat range is sought, and halvings at its end.
 const STEPS: i32 = 8;
 const HALVINGS: usize = 5;
