@@ -124,7 +124,7 @@ fn summary(comparison: &Comparison) -> String {
         .any(|row| row.failure.is_some() || comparison.error(row).is_some_and(|error| error > 1.0));
     format!(
         "The fastest rows with an error of mean power of at most {:.0e}, in host time per simulated \
-         second. Exponential Radau: {}. TR-BDF2: {}. Explicit RK4: {}. The integrator of the reference at a loose tolerance: {}.{}",
+         second; T is the period of the excitation. Exponential Radau: {}. TR-BDF2: {}. Explicit RK4: {}. The integrator of the reference at a loose tolerance: {}.{}",
         comparison.target_error(),
         fastest(Method::ExponentialRadau),
         fastest(Method::TrBdf2),
@@ -164,7 +164,9 @@ fn chart(comparison: &Comparison) -> Chart {
         let name = format!("{}, {}", method_name(&row.variant), row.variant.precision.name());
         let place = curves.iter().position(|curve| curve.name == name).unwrap_or_else(|| {
             let is_single = row.variant.precision == Precision::F32;
-            let mark = if is_single { Mark::Ringed([2.0, 8.0]) } else { Mark::Dotted([2.0, 8.0]) };
+            // Of auto, one row, a wider mark than that of the method which it takes.
+            let wide = if row.variant.method == Method::Auto { 14.0 } else { 8.0 };
+            let mark = if is_single { Mark::Ringed([2.0, wide]) } else { Mark::Dotted([2.0, wide]) };
             curves.push(Curve::new(name, colour(&row.variant), mark, []));
             curves.len() - 1
         });
@@ -185,7 +187,8 @@ fn chart(comparison: &Comparison) -> Chart {
 
 fn colour(variant: &Variant) -> RGBColor {
     match method_name(variant) {
-        "exponential Radau" | "auto" => svg::BLACK,
+        "exponential Radau" => svg::BLACK,
+        "auto" => svg::SKY,
         "exponential Radau, fixed step" => svg::PURPLE,
         "TR-BDF2" => svg::BLUE,
         "TR-BDF2, fixed step" => svg::ORANGE,

@@ -162,14 +162,14 @@ fn title(table: &Comparison) -> String {
     let found = table.reference.bump_stop();
     format!(
         "{}, ({beam}, {rod}) modes, {stop}, {} s simulated, measured from {} s; by the reference: RMS voltage \
-         {}, {} contacts, the first at {}, {} ns per simulated s",
+         {}, {} contacts, the first at {}, {} µs per simulated s",
         table.file(),
         table.scene.run.duration_s,
         table.scene.run.settle_s,
         shown(table.reference.rms_voltage_v, "V"),
         found.map_or(0, |found| found.contacts),
         shown(found.and_then(|found| found.first_contact_s), "s"),
-        grouped(reference_ns_per_s(table)),
+        grouped(reference_ns_per_s(table) / 1e3),
     )
 }
 

@@ -21,7 +21,7 @@ pub(super) const fn error(heading: &'static str, name: &'static str) -> Column<'
 /// The last columns of every table.
 pub(super) const WORK: [Column<'_>; 5] = [
     ("steps per simulated s", "steps_per_s", Digits::By(grouped)),
-    ("host ns per simulated s", "ns_per_s", Digits::By(grouped)),
+    ("host µs per simulated s", "ns_per_s", Digits::By(|time| grouped(time / 1e3))),
     ("spread", "time_spread", RATIO),
     ("time ratio", "time_ratio", RATIO),
     ("energy residual", "energy_residual", ERROR),
@@ -55,7 +55,7 @@ pub(super) fn shown(value: Option<f64>, unit: &str) -> String {
 }
 
 /// What went wrong, without the state in which it did.
-pub(super) fn reason(failure: &str) -> String {
+pub(crate) fn reason(failure: &str) -> String {
     failure.split(": ").next().unwrap_or(failure).to_owned()
 }
 

@@ -120,7 +120,7 @@ fn title(table: &Comparison) -> String {
 fn notes(table: &Comparison) -> Vec<String> {
     let runs = table.rows.iter().filter_map(|row| row.found.as_ref()).map(|found| found.runs);
     let mut notes = vec![format!(
-        "Errors are relative to the reference; time ratio is to the fastest row whose error of mean power \
+        "T is the period of the excitation. Errors are relative to the reference; time ratio is to the fastest row whose error of mean power \
          is at most {:.0e}. Times are processor times, the least of up to {} runs without energy ledger; spread: the largest over it, less 1.",
         table.target_error(),
         runs.max().unwrap_or(0)

@@ -8,7 +8,7 @@ use crate::method::Failure;
 use crate::outcome::{small, table};
 use crate::report::Picture;
 use crate::report::chart::{Axis, Chart, Curve, Mark};
-use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION, extremes};
+use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, extremes};
 use crate::rows::Rows;
 
 /// Error of the best row of a method from which it counts as wrong.
@@ -107,7 +107,7 @@ pub(crate) fn text(comparisons: &[Comparison]) -> String {
     }
     let ratios = table(presets::ASCII_MARKDOWN, headings, comparisons.iter().map(Comparison::ratios), 1);
     format!(
-        "{tables}Costs are per simulated second, of the loosest setting that meets an error of mean power together with \
+        "{tables}T is the period of the excitation. Costs are per simulated second, of the loosest setting that meets an error of mean power together with \
          the next finer one. Instructions are those of the whole run, counted by valgrind, less those of a run of no \
          duration; times are processor times, the least of some runs and the largest above it. The core runs alone, with parts chosen at compile time \
          and one power.\n\nCost of the best peer over that of the best method of the core\n\n{ratios}"
@@ -118,9 +118,6 @@ pub(crate) fn text(comparisons: &[Comparison]) -> String {
 pub(crate) fn csv(comparisons: &[Comparison]) -> String {
     Rows::of(comparisons.iter().flat_map(|comparison| comparison.methods.iter().flatten())).csv()
 }
-
-/// One more colour of Okabe and Ito.
-const SKY: RGBColor = RGBColor(86, 180, 233);
 
 /// The colours of the methods of the core and of the peers.
 const CORE: [RGBColor; 3] = [BLUE, VERMILION, BLACK];
