@@ -9,6 +9,7 @@ use plotters::style::RGBColor;
 
 pub(crate) use self::series::Series;
 
+use crate::accuracy::has_own_steps;
 use crate::method::{Failure, Math, Options, Precision};
 use crate::name::Name;
 use crate::report::Picture;
@@ -166,13 +167,18 @@ pub(crate) fn usual<'a>(scene: &Scene, title: &'a str, series: &Series, every_s:
 /// Accuracy of a run whose spectrum is drawn: errors of a step repeat with the impacts, and are lines of their own.
 const OF_A_SPECTRUM: f64 = 1e-9;
 
-/// The options of a run whose spectrum is drawn, and of the same at a tenth of its accuracy; `None` where the accuracy is
+/// The options of a run whose spectrum is drawn, and of the same at a tenth of its accuracy or in twice its steps; `None` where the accuracy is
 /// given, or is no option of the scene.
 pub(crate) fn of_spectrum(scene: &Scene, options: &Options) -> Option<[Options; 2]> {
     let is_given = options.tolerance.or(options.step_s).or(options.accuracy).is_some();
     let is_single = options.precision == Some(Precision::F32) || options.math == Some(Math::Micromath);
-    if is_given || is_single || scene.bump_stop().is_ok() {
+    if is_given || is_single {
         return None;
+    }
+    // A beam has steps of its own: half of them, and those.
+    if scene.bump_stop().is_ok() {
+        let all = [1, 0].map(|more| Options { halvings: options.halvings + more, ..*options });
+        return has_own_steps(scene, options).then_some(all);
     }
     let all = [1.0, 10.0].map(|factor| Options { accuracy: Some(factor * OF_A_SPECTRUM), ..*options });
     all.iter().all(|options| options.check_scene(scene).is_ok()).then_some(all)
@@ -271,6 +277,13 @@ fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     Some(Chart { is_orbit: true, is_half: true, height: PANEL, ..chart })
 }
 
+/// The values of the time histories, of which the unit of a quantity is.
+fn shown(wanted: &Wanted<'_>, series: &[Series], column: &str) -> impl Iterator<Item = f64> {
+    let [from, to] = wanted.span_s;
+    let points = series.iter().flat_map(move |one| one.over_time(column));
+    points.filter(move |(time, _)| (from..=to).contains(time)).map(|point| point.1)
+}
+
 /// Amplitudes over frequency of the last quantity, with a note where there is one line alone; `None` without rows in the window.
 fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let column = wanted.quantities.last()?;
@@ -282,7 +295,7 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let most = all.iter().flatten().max_by(|one, other| one.1.total_cmp(&other.1));
     let (strongest, largest) = most.copied().filter(|(_, largest)| *largest > 0.0)?;
     let (word, unit) = number_and_unit(column);
-    let (name, factor) = scaled(&word, unit, [largest].into_iter());
+    let (name, factor) = scaled(&word, unit, shown(wanted, series, column).chain([largest]));
     // Below a millionth of the largest line there is rounding.
     let floor = 1e-6 * factor * largest;
     // A harmonic and the lines beside it, by the window, are no noise.
@@ -321,8 +334,8 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let across = Axis::scaled(has(LogAxis::X), "frequency [Hz]", ends);
     if let Some(noise) = noise {
         let level = (factor * noise).max(floor);
-        // Runs of a chaotic motion part from each other, however accurate they are.
-        let words = [": below", ":", ", by two chaotic runs:"];
+        // Runs of a chaotic or chattering motion part from each other, however accurate they are.
+        let words = [": below", ":", ", by two runs that part:"];
         let words = words[[1e-6, 1e-3].partition_point(|part| noise > part * largest)];
         let name = format!("noise floor of a line{words} {}", with_unit(noise.max(1e-6 * largest), unit));
         curves.push(Curve::new(name, BLACK, Mark::Dashes(1.2), ends.map(|frequency| (frequency, level))));

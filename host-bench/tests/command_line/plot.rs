@@ -1,6 +1,8 @@
 //! `plot`, `run --picture`, shell completions and `--quiet`.
 
-use super::tool::{BEAM, PASSIVE, accepted, charts, folder, host_bench, json, place, printed, refused};
+use super::tool::{
+    BEAM, BUMP_STOP, PASSIVE, accepted, charts, folder, host_bench, json, place, printed, refused,
+};
 
 const SHORT: [&str; 2] = ["--set", "run={duration_s=1.0,settle_s=0.5}"];
 
@@ -171,6 +173,15 @@ fn a_periodic_motion_has_no_subharmonics() {
     let between = frequencies.iter().zip(&lines).filter(|(frequency, _)| part(**frequency) > 0.2);
     let noise = between.map(|(_, line)| *line).fold(0.0, f64::max);
     assert!(noise < 2e-5 * largest, "{noise} beside {largest}");
+    assert!(html.contains("noise floor of a line"), "the noise floor is marked");
+    // So it is of a beam that hits its stop, in the unit of its time history.
+    let views = ["--view", "history", "--view", "spectrum", "--quantity", "voltage_v", "--output", &page];
+    accepted(
+        &[&["plot", BUMP_STOP, "--set", "run={duration_periods=20,settle_periods=4}"], &views[..]].concat(),
+    );
+    let html = std::fs::read_to_string(&page).expect("the page");
+    let charts = self::charts(&html);
+    assert!([0, 1].iter().all(|chart| charts[*chart]["up"] == "voltage [V]"), "{charts}");
     assert!(html.contains("noise floor of a line"), "the noise floor is marked");
 }
 
