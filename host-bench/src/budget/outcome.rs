@@ -203,12 +203,17 @@ impl NodeDay {
         let is_met = self.actions.iter().all(|one| f64::from(one.runs) + 1.0 >= 0.99 * one.wished);
         let storage = match self.smallest_capacitance_f {
             Some(smallest) => {
+                // It is sought to a thousandth.
+                let smallest = format!("{smallest:.3e}").parse().unwrap_or(smallest);
                 format!("the smallest storage that sustains all of them has {}", with_unit(smallest, "F"))
             }
             None => "no capacitance is known that sustains all of them".to_owned(),
         };
         let (word, lockouts) = (if is_met { "met" } else { "not met" }, self.account.lockouts);
-        format!("wishes {word}: {runs:.0} of {wished:.0} runs, {lockouts} lock-outs; {storage}")
+        format!(
+            "wishes {word}: {runs:.0} of {wished:.0} runs, {lockouts} lock-out{}; {storage}",
+            if lockouts == 1 { "" } else { "s" }
+        )
     }
 
     /// The figures of the named parts that no source confirms, as one text.

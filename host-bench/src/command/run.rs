@@ -19,7 +19,7 @@ use crate::report::Picture;
 use crate::report::setting::{margin, named, setting};
 use crate::resolution::remarks;
 use crate::run::run_scene;
-use crate::scene_file::{self, Scene};
+use crate::scene_file::{self, Scene, finite_number_of};
 use crate::seeds::{self, Statistics};
 
 #[derive(Debug, Clone, clap::Args)]
@@ -30,7 +30,8 @@ pub struct RunArguments {
     #[arg(long, value_name = "FILE.csv", requires = "trace_every")]
     trace: Option<PathBuf>,
     /// Seconds between the rows of the trace
-    #[arg(long, value_name = "S", requires = "trace", allow_hyphen_values = true)]
+    #[arg(long, value_name = "S", requires = "trace", allow_hyphen_values = true,
+        value_parser = |text: &str| finite_number_of("run.duration_s", "S", text))]
     trace_every: Option<f64>,
     /// Write a picture of the run to this file, .svg or .html (.pdf or .png in a build with images): time histories, phase portrait, spectrum, energy flow; plot has choices
     #[arg(long, value_name = "FILE", conflicts_with_all = ["seeds", "steady_state"])]

@@ -273,6 +273,12 @@ fn cut(scene: &Scene) -> Result<String, Failure> {
     Ok(folded(&text, 0) + "\n\n")
 }
 
+/// Why a row has no result, in a sentence.
+fn without_result(Row { variant, failure, .. }: &Row) -> Option<String> {
+    let reason = table::reason(failure.as_ref()?);
+    Some(format!(" No result of {}, {}: {reason}.", method_name(variant), variant.control))
+}
+
 /// Error against run time on one scene: a chart, a table and the meaning of its columns.
 fn errors(comparison: &Comparison) -> String {
     let auto = |row: &&Row| row.variant.method == Method::Auto;
@@ -315,12 +321,13 @@ fn errors(comparison: &Comparison) -> String {
         }))
     };
     let rows = Rows(shown.iter().map(row).collect());
+    let failed: String = shown.iter().filter_map(|row| without_result(row)).collect();
     let notes = folded(
         &format!(
             "->: recommended, what auto takes. x: an error above the asked {:.0e}, or no result. step, tolerance: steps in \
              a period of the excitation, or the relative tolerance of an adaptive step. error: of the mean power, relative to \
              the reference. µs: time of this processor for a simulated second, the least of up to {} runs; spread: the largest \
-             over it, less 1; / auto: it over that of auto in f64. steps: taken and rejected in a simulated second.",
+             over it, less 1; / auto: it over that of auto in f64. steps: taken and rejected in a simulated second.{failed}",
             comparison.target_error(),
             Extent::FIRST.runs
         ),

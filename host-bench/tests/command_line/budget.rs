@@ -322,10 +322,14 @@ fn a_verdict_says_whether_all_wishes_are_met_and_by_which_storage() {
     let (small, large) = (day("0.02"), day("3"));
     let near = verdict(&day("0.586"));
     assert!(
-        near.starts_with("wishes met: 19") && near.contains(" of 1920 runs") && near.contains(" has 592.9"),
+        near.starts_with("wishes met: 19")
+            && near.contains(" of 1920 runs")
+            && near.contains(" has 592.9 mF"),
         "{near}"
     );
-    let smallest = number(&small, "capacitance_for_wishes_f");
+    // The verdict has the four digits that are known of it.
+    let smallest = format!("{:.3e}", number(&small, "capacitance_for_wishes_f"));
+    let smallest: f64 = smallest.parse().expect("a number");
     assert!(
         verdict(&small).starts_with("wishes not met: ") && !verdict(&small).contains(" 0 lock-outs"),
         "{small}"
@@ -344,8 +348,19 @@ fn a_sweep_and_an_optimum_have_the_day_of_the_node() {
     let key = "node.storage.capacitance_f";
     let over = format!("{key}=0.02:0.5:3");
     let short = ["--set", "run={duration_s=3,settle_s=2}", "--node"];
+    let drawn = folder("budget-swept-picture");
+    let output = ["--output", drawn.to_str().expect("a plain path")];
     let sweep = [&["sweep", NODE, "--over", &over, "--no-accuracy"], &short[..]].concat();
-    let points = any_json(&sweep);
+    let points = any_json(&[&sweep[..], &output].concat());
+    // What the storage does not change is not drawn, and none of the points is the best.
+    let picture = std::fs::read_to_string(drawn.join("sweep.svg")).expect("a picture");
+    assert!(picture.contains("runs of the node") && picture.contains("lowest voltage of the storage"));
+    assert!(!picture.contains("mean power ["), "it is the same at all points");
+    let [_, told] = printed(&sweep);
+    assert!(
+        told.contains(" at all points: the keys do not change it") && !told.contains("largest"),
+        "{told}"
+    );
     let day = json("budget-swept", &["--set", &format!("{key}=0.02")]);
     for (of_sweep, of_day) in [
         ("node_lockouts", "lockouts"),

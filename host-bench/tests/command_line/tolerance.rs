@@ -105,7 +105,7 @@ fn a_normal_bound_is_two_standard_deviations_and_correlated_keys_correlate() {
 #[test]
 fn keys_stand_in_the_order_in_which_they_matter() {
     let weak = "parameters.damping_ratio=±20%";
-    let vary = format!("{AMPLITUDE}=±10%");
+    let vary = format!("{AMPLITUDE}=10%");
     let found = json(&["--vary", weak, "--vary", &vary]);
     let keys = found["keys"].as_array().expect("a list");
     assert_eq!((&keys[0]["name"], &keys[1]["name"]), (&AMPLITUDE.into(), &"parameters.damping_ratio".into()));
@@ -204,7 +204,7 @@ fn bad_tolerances_are_refused() {
     for (options, parts) in [
         ("", ["--vary", ""]),
         ("--vary excitation.amplitude_g", ["--vary", "KEY=±BOUND"]),
-        ("--vary load.resistance_ohm=5%", ["KEY=±BOUND", ""]),
+        ("--vary load.resistance_ohm=5", ["KEY=±BOUND", ""]),
         (&format!("{load}:even"), ["BOUND = \"5%:even\"", ""]),
         ("--vary load.resistance_ohm=±-5%", ["BOUND = \"-5%\"", "above 0"]),
         (

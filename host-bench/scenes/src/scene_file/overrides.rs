@@ -206,6 +206,9 @@ const PREFIXES: [(&str, i32); 12] = [
     ("T", 12),
 ];
 
+/// The prefixes of a square metre and their powers of ten.
+const SQUARES: [(&str, i32); 3] = [("", 0), ("c", -4), ("m", -6)];
+
 /// A number for a key on a command line: plain, or with a prefix of a unit, with the unit of the key, or with both, such as
 /// `10M`, `33kΩ`, `20us` or, for an acceleration or a mass, `0.2g`. A letter that is a prefix is one: `5m` of a length is 5 mm.
 /// An error is what to say of the unit of the text, nothing where it does not begin with a number or the key takes none.
@@ -218,7 +221,8 @@ pub(super) fn number_of(key: &str, text: &str) -> Result<f64, String> {
     let mut parts = text.char_indices().rev().map(|(at, _)| text.split_at(at));
     let (digits, suffix) =
         parts.find(|(head, _)| is_number(head) && head.parse::<f64>().is_ok()).ok_or_else(String::new)?;
-    let (rows, suffix) = (rows_of(key), suffix.trim());
+    // The ohm has two signs and two spellings.
+    let (rows, suffix) = (rows_of(key), suffix.trim().replace('\u{2126}', "Ω").replace("Ohm", "ohm"));
     let unknown = || {
         let mut known = Vec::new();
         walk(&KEYS, &mut |key| known.push(key.name));
@@ -241,10 +245,10 @@ pub(super) fn number_of(key: &str, text: &str) -> Result<f64, String> {
     let units = if ["m/s²", "kg"].contains(&unit) { &units[..] } else { &units[..3] };
     let found = units.iter().find_map(|(unit, factor)| {
         let prefix = suffix.strip_suffix(unit)?;
-        // The prefix of a square metre is squared: none is taken.
+        // The prefix of a square metre is squared.
         let is_square = unit.starts_with("m²") || unit.starts_with("m2");
-        let found = PREFIXES.iter().find(|(name, _)| *name == prefix && (name.is_empty() || !is_square));
-        found.map(|(_, power)| (*power, factor))
+        let prefixes = if is_square { &SQUARES[..] } else { &PREFIXES[..] };
+        prefixes.iter().find(|(name, _)| *name == prefix).map(|(_, power)| (*power, factor))
     });
     let of_unit = if unit.is_empty() { String::new() } else { format!(" in {unit}") };
     let (power, factor) =
@@ -306,6 +310,7 @@ mod tests {
             ("load.resistance_ohm", "10M", Some(10e6)),
             ("load.resistance_ohm", "33kΩ", Some(33e3)),
             ("load.resistance_ohm", "4.7 kohm", Some(4700.0)),
+            ("load.resistance_ohm", "33kOhm", Some(33e3)),
             ("load.resistance_ohm", "1e3k", Some(1e6)),
             ("load.resistance_ohm", "inf", Some(f64::INFINITY)),
             ("stop.gap_m", "5m", Some(5e-3)),
@@ -324,8 +329,9 @@ mod tests {
             ("parameters.mass_kg", "0.1kg", Some(0.1)),
             // A prefix of a square is squared.
             ("parameters.electrode_area_m2", "4e-4m2", Some(4e-4)),
-            ("parameters.electrode_area_m2", "400mm2", None),
-            ("parameters.electrode_area_m2", "400mm²", None),
+            ("parameters.electrode_area_m2", "400mm2", Some(4e-4)),
+            ("parameters.electrode_area_m2", "4 cm²", Some(4e-4)),
+            ("parameters.electrode_area_m2", "4km²", None),
             ("parameters.relative_permittivity", "4k1", None),
             ("load.resistance_ohm", "5V", None),
             ("load.resistance_ohm", "2g", None),

@@ -39,7 +39,9 @@ impl FromStr for Varied {
         let of = |bound| (bound, "normal");
         let (bound, distribution) = rest.strip_suffix(":normal").map_or((rest, "uniform"), of);
         let bound = bound.trim();
-        let bound = bound.strip_prefix('±').or_else(|| bound.strip_prefix("+-")).ok_or(FORM)?;
+        let signed = bound.strip_prefix('±').or_else(|| bound.strip_prefix("+-"));
+        // A part needs no sign; a number without one would be a value.
+        let bound = signed.or(Some(bound).filter(|bound| bound.ends_with('%'))).ok_or(FORM)?;
         let part = bound.strip_suffix('%').map(|part| part.trim().parse::<f64>().ok());
         let value = match part {
             Some(part) => part.map(|part| part / 100.0),
