@@ -167,8 +167,8 @@ pub(crate) fn usual<'a>(scene: &Scene, title: &'a str, series: &Series, every_s:
 /// Accuracy of a run whose spectrum is drawn: errors of a step repeat with the impacts, and are lines of their own.
 const OF_A_SPECTRUM: f64 = 1e-9;
 
-/// The options of a run whose spectrum is drawn, and of the same at a tenth of its accuracy or in twice its steps; `None` where the accuracy is
-/// given, or is no option of the scene.
+/// The options of a run whose spectrum is drawn, and of the same at a tenth of its accuracy or in twice its steps; `None` where
+/// the accuracy is given, or is no option of the scene.
 pub(crate) fn of_spectrum(scene: &Scene, options: &Options) -> Option<[Options; 2]> {
     let is_given = options.tolerance.or(options.step_s).or(options.accuracy).is_some();
     let is_single = options.precision == Some(Precision::F32) || options.math == Some(Math::Micromath);
