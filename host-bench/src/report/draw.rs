@@ -22,17 +22,17 @@ const RIGHT: i32 = 26;
 /// Width of the scale of colours without the room for its numbers.
 const SCALE: i32 = 58;
 /// Text; the library's size is 1.24 times what an SVG calls it.
-const TITLE: (&str, u32) = (FONT, 20);
+const TITLE: u32 = 20;
 const TEXT: (&str, u32) = (FONT, 18);
 /// Width in pixels from which two charts of half of it stand beside each other.
 const LEAST_OF_HALVES: u32 = 700;
 /// Height of the title above all charts.
 const HEAD: u32 = 30;
 
-/// The font of a title, no smaller than that of the labels, and its lines of about one length, none wider than `width` if no word
-/// is. A number and its unit stand in one line.
-fn lines_of(title: &str, width: i32) -> ((&'static str, u32), Vec<String>) {
-    let mut sizes = (TEXT.1..=TITLE.1).rev();
+/// The font of a title, from this size down to that of the labels, and its lines of about one length, none wider than `width` if no
+/// word is. A number and its unit stand in one line.
+fn lines_of(title: &str, largest: u32, width: i32) -> ((&'static str, u32), Vec<String>) {
+    let mut sizes = (TEXT.1..=largest).rev();
     let font = (FONT, sizes.find(|size| width_of(title, *size) <= width).unwrap_or(TEXT.1));
     // Behind a number its unit has room.
     let room = |word: &str| if word.parse::<f64>().is_ok() { width_of(" half-b", font.1) } else { 0 };
@@ -53,6 +53,11 @@ fn lines_of(title: &str, width: i32) -> ((&'static str, u32), Vec<String>) {
     (font, narrower.unwrap_or(widest))
 }
 
+/// The title and the note of a chart.
+fn above(chart: &Chart, width: i32) -> [((&'static str, u32), Vec<String>); 2] {
+    [lines_of(&chart.title, TITLE, width), lines_of(&chart.note, TEXT.1, width)]
+}
+
 /// Room for the title of an ordinate, its numbers, and what is between them.
 fn room(axis: &Axis) -> i32 {
     let places = axis.places();
@@ -68,7 +73,7 @@ pub(crate) fn draw(
     charts: &[Chart],
     figure: Option<&(u32, String)>,
 ) -> Result<String, String> {
-    let (font, lines) = lines_of(title, width.cast_signed());
+    let (font, lines) = lines_of(title, TITLE, width.cast_signed());
     let head = HEAD * lines.len() as u32;
     let (mut left, mut top, mut bottom) = (0, head, head);
     let mut places = Vec::new();
@@ -81,8 +86,8 @@ pub(crate) fn draw(
         if left + wide > width {
             (left, top) = (0, bottom);
         }
-        let further = |text: &str| lines_of(text, wide.cast_signed()).1.len().saturating_sub(1) as u32;
-        let height = chart.height + LEGEND.cast_unsigned() * (further(&chart.title) + further(&chart.note));
+        let lines = above(chart, wide.cast_signed()).map(|(_, lines)| lines.len().saturating_sub(1) as u32);
+        let height = chart.height + LEGEND.cast_unsigned() * lines.iter().sum::<u32>();
         places.push((chart, (left, top), (wide, height)));
         (left, bottom) = (left + wide, bottom.max(top + height));
     }
@@ -118,7 +123,7 @@ fn axes(area: &Area<'_>, chart: &Chart, left_room: i32, paths: &mut String) -> D
     let (columns, _) = area.get_pixel_range();
     let wide = columns.end - columns.start;
     let mut area = area.clone();
-    for (font, lines) in [&chart.title, &chart.note].map(|text| lines_of(text, wide)) {
+    for (font, lines) in above(chart, wide) {
         for line in lines {
             area = area.titled(&line, font)?;
         }
@@ -218,7 +223,8 @@ fn cells(paths: &mut String, field: &Field, place: impl Fn(&(f64, f64)) -> [f64;
             let _ = write!(ways, "M{} {}h{wide}v{high}h-{wide}z", left[column], top[row + 1]);
         }
         if !ways.is_empty() {
-            let _ = writeln!(paths, "<path fill=\"{}\" d=\"{ways}\"/>", hex(colour(shade)));
+            let fill = hex(colour(shade));
+            let _ = writeln!(paths, "<path fill=\"{fill}\" shape-rendering=\"crispEdges\" d=\"{ways}\"/>");
         }
     }
 }
