@@ -52,10 +52,6 @@ impl<S: Scalar> Problem<S, 2> for Ball {
         [[S::ZERO, coupling], [S::ZERO; 2]]
     }
 
-    fn angular_frequency(&self) -> S {
-        S::ONE
-    }
-
     fn sizes(&self, _mode: Mode, _y: &[S; 2]) -> [S; 2] {
         [S::from_f64(10.0), S::from_f64(14.0)]
     }

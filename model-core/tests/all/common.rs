@@ -33,9 +33,13 @@ pub(crate) trait Problem<S: Scalar, const N: usize>: Copy {
     fn rate(&self, mode: Self::Mode, y: &[S; N], input: S) -> [S; N];
     fn jacobian(&self, mode: Self::Mode, y: &[S; N], input: S) -> [[S; N]; N];
     /// Radians of the slow motion per second of the clock.
-    fn angular_frequency(&self) -> S;
+    fn angular_frequency(&self) -> S {
+        S::ONE
+    }
     /// What the entries of the state are measured by.
-    fn sizes(&self, mode: Self::Mode, y: &[S; N]) -> [S; N];
+    fn sizes(&self, _mode: Self::Mode, _y: &[S; N]) -> [S; N] {
+        [S::ONE; N]
+    }
     /// Integrated along with the state.
     fn power(&self, _mode: Self::Mode, _y: &[S; N]) -> S {
         S::ZERO

@@ -61,14 +61,6 @@ impl<S: Scalar> Problem<S, 2> for Slider {
         if mode == Mode::Stick { [[S::ZERO; 2]; 2] } else { [[S::ZERO, S::ONE], [-S::ONE, S::ZERO]] }
     }
 
-    fn angular_frequency(&self) -> S {
-        S::ONE
-    }
-
-    fn sizes(&self, _mode: Mode, _y: &[S; 2]) -> [S; 2] {
-        [S::ONE; 2]
-    }
-
     fn guards(&self, mode: Mode) -> usize {
         // Friction holds in two directions.
         if mode == Mode::Stick { 2 } else { 1 }

@@ -53,10 +53,6 @@ impl<S: Scalar> Problem<S, 2> for Graze {
         S::from_f64(PACE)
     }
 
-    fn sizes(&self, _side: Side, _y: &[S; 2]) -> [S; 2] {
-        [S::ONE; 2]
-    }
-
     fn guards(&self, _side: Side) -> usize {
         1
     }
@@ -191,10 +187,6 @@ impl<S: Scalar> Problem<S, 1> for Walk<'_> {
 
     fn angular_frequency(&self) -> S {
         S::from_f64(PACE)
-    }
-
-    fn sizes(&self, _passed: u32, _y: &[S; 1]) -> [S; 1] {
-        [S::ONE]
     }
 
     fn guards(&self, _passed: u32) -> usize {

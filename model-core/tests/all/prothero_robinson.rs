@@ -32,10 +32,6 @@ impl<S: Scalar> Problem<S, 1> for ProtheroRobinson {
     fn angular_frequency(&self) -> S {
         S::from_f64(PACE)
     }
-
-    fn sizes(&self, (): (), _y: &[S; 1]) -> [S; 1] {
-        [S::ONE]
-    }
 }
 
 /// Error at `t = 10` from `1 + offset`, and attempted steps.

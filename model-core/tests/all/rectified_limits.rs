@@ -1,6 +1,6 @@
 //! Both triboelectric scenes behind a full bridge in limiting cases and against closed forms.
 
-use crate::bridge::{VACUUM_PERMITTIVITY, adaptive, begin, behind, pad, run, sine};
+use crate::bridge::{adaptive, begin, behind, pad, run, sine};
 use model_core::clock::Instant;
 use model_core::energy::RunMeter;
 use model_core::hybrid::Driver;
@@ -29,39 +29,6 @@ fn a_bus_out_of_reach_is_an_open_circuit() {
     assert_eq!(bridged.work, alone.work);
     assert_eq!(found.point.state[..3], state.point.state);
     assert_eq!(found.point.remainder[..3], state.point.remainder);
-}
-
-/// What a bus receives in a period of a smooth motion is given by the extremes of that motion alone: the
-/// charge follows the rectangle's sides in the plane of charge and voltage.
-#[test]
-fn a_bus_receives_what_the_extremes_of_the_motion_say() {
-    let (voltage, drop) = (3.0, 0.3);
-    let threshold = voltage + 2.0 * drop;
-    let scene = behind(pad::<f64>(f64::INFINITY, AnyForceLaw::TransferredCharge), DcBus { voltage }, drop);
-    let frequency = 18.0;
-    let vibration = sine::<f64>(0.05, frequency);
-    let (area, thickness) = (VACUUM_PERMITTIVITY * 4e-4, 5e-5 / 2.0);
-    // Q = q − C_p V at a gap and a voltage.
-    let charge = |gap: f64, voltage: f64| {
-        let distance = gap + thickness;
-        (50e-6 * 4e-4 * gap - voltage * (area + 1e-12 * distance)) / distance
-    };
-    let settled = Instant::from_seconds(600.0 / frequency).expect("in range");
-    let end = Instant::from_seconds(610.0 / frequency).expect("in range");
-    let implicit = Driver::new(TrBdf2, adaptive(1e-6));
-    let mut state = begin(&scene, &vibration, &implicit);
-    let mut meter = RunMeter::new();
-    implicit.advance(&scene, &mut state, &vibration, settled, u32::MAX, &mut ()).expect("runs");
-    implicit.advance(&scene, &mut state, &vibration, end, u32::MAX, &mut meter).expect("runs");
-    let gap = meter.report().coordinate;
-    let passed = charge(gap.highest, threshold) - charge(gap.lowest, -threshold);
-    let expected = 10.0 * 2.0 * passed * voltage;
-    println!("gap {gap:?}: {:e} J, expected {expected:e} J", meter.delivered_energy());
-    assert!(passed > 0.0 && meter.report().impacts == 0);
-    assert!((meter.delivered_energy() / expected - 1.0).abs() < 1e-5);
-    let lost = meter.integrals().integral(PowerIndex::Diodes);
-    assert!((lost / (expected * 2.0 * drop / voltage) - 1.0).abs() < 1e-5);
-    assert!((meter.integrals().integral(PowerIndex::CurrentMagnitude) / (20.0 * passed) - 1.0).abs() < 1e-5);
 }
 
 /// A storage with a draw and a harvester at rest: how long it lasts is known in closed form.

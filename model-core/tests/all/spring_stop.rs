@@ -66,10 +66,6 @@ impl<S: Scalar> Problem<S, 2> for Stop {
         [[S::ZERO, S::ONE], [-S::from_f64(self.stiffness(mode)), S::ZERO]]
     }
 
-    fn angular_frequency(&self) -> S {
-        S::ONE
-    }
-
     fn sizes(&self, mode: Mode, _y: &[S; 2]) -> [S; 2] {
         // What an energy of one half is as a deflection and as a speed.
         [S::from_f64(1.0 / self.stiffness(mode).sqrt()), S::ONE]

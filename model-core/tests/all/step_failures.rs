@@ -57,14 +57,6 @@ impl<S: Scalar> Problem<S, 1> for Falling {
         }
     }
 
-    fn angular_frequency(&self) -> S {
-        S::ONE
-    }
-
-    fn sizes(&self, (): (), _y: &[S; 1]) -> [S; 1] {
-        [S::ONE]
-    }
-
     fn power(&self, (): (), y: &[S; 1]) -> S {
         y[0]
     }
