@@ -276,7 +276,15 @@ fn cut(scene: &Scene) -> Result<String, Failure> {
 /// Why a row has no result, in a sentence.
 fn without_result(Row { variant, failure, .. }: &Row) -> Option<String> {
     let reason = table::reason(failure.as_ref()?);
-    Some(format!(" No result of {}, {}: {reason}.", method_name(variant), variant.control))
+    Some(format!(" No result of {}, {}: {reason}.", method_name(variant), control_of(variant)))
+}
+
+fn control_of(variant: &Variant) -> String {
+    match variant.control {
+        Control::PerPeriod { steps, .. } => format!("{steps} a period"),
+        Control::Default => String::new(),
+        other => other.to_string(),
+    }
 }
 
 /// Error against run time on one scene: a chart, a table and the meaning of its columns.
@@ -295,11 +303,6 @@ fn errors(comparison: &Comparison) -> String {
     let row = |row: &&Row| {
         let Variant { method, precision, control, .. } = row.variant;
         let is_reference = method == Method::Reference && control == Control::Default;
-        let control = match control {
-            Control::PerPeriod { steps, .. } => format!("{steps} a period"),
-            Control::Default => String::new(),
-            other => other.to_string(),
-        };
         let is_off = !is_reference && !comparison.reaches_target(row);
         let mark = match (auto(row), is_off) {
             (true, false) => "->",
@@ -312,7 +315,7 @@ fn errors(comparison: &Comparison) -> String {
             "mark": mark,
             "method": method_name(&row.variant),
             "precision": precision.name(),
-            "control": control,
+            "control": control_of(&row.variant),
             "error": comparison.error(row),
             "us_per_s": found.map(|found| found.ns_per_s / 1e3),
             "time_spread": found.and_then(|found| found.time_spread),

@@ -322,9 +322,7 @@ fn a_verdict_says_whether_all_wishes_are_met_and_by_which_storage() {
     let (small, large) = (day("0.02"), day("3"));
     let near = verdict(&day("0.586"));
     assert!(
-        near.starts_with("wishes met: 19")
-            && near.contains(" of 1920 runs")
-            && near.contains(" has 593 mF"),
+        near.starts_with("wishes met: 19") && near.contains(" of 1920 runs") && near.contains(" has 593 mF"),
         "{near}"
     );
     // The verdict has the four digits that are known of it.
