@@ -164,7 +164,8 @@ fn unit(heading: &str) -> Option<f64> {
     let is_capital = heading.trim_end_matches('0').ends_with('G');
     UNITS.iter().find_map(|(name, size)| {
         let before = lower.strip_suffix(name).filter(|before| before.ends_with(['_', ' ', '/']))?;
-        (!is_sensitivity(before) && !(is_capital && name.starts_with('g'))).then_some(*size)
+        let is_other = is_sensitivity(before) || is_capital && name.starts_with('g');
+        (!is_other).then_some(*size)
     })
 }
 
