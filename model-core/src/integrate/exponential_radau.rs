@@ -66,7 +66,9 @@ impl<S: Scalar> Change<S> {
 #[derive(Debug, Clone, Copy)]
 pub struct Prediction<S> {
     oscillator: Oscillator<S>,
-    kernel: Kernel<S>,
+    step: S,
+    /// The first of [`Kernel`]: all of them would be written to memory.
+    ramps: [S; 4],
     response: Response<S>,
     /// The boundary layer at the start, and the rate of the circuit's state beyond it.
     layer: Option<BoundaryLayer<S>>,
@@ -83,7 +85,7 @@ impl<S: Scalar> Prediction<S> {
     /// and by the rest.
     #[inline(always)]
     fn corrections(&self, forces: &[S; 3]) -> [Change<S>; 2] {
-        let Kernel { step, ramps: [zeroth, first, second, third, ..], .. } = self.kernel;
+        let Self { step, ramps: [zeroth, first, second, third], .. } = *self;
         let defect = |stage: usize| forces[stage] - self.force - S::from_f64(NODES[stage]) * self.rise;
         let defects = [defect(0), defect(1), forces[2] - self.force - self.rise];
         let [linear, quadratic, cubic] =
@@ -157,7 +159,7 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         let pull = derivative[VELOCITY]
             + oscillator.damping * state[VELOCITY]
             + oscillator.base_coupling * response.start;
-        let Kernel { impulse, impulse_rate, ramps: [zeroth, first, ..], .. } = kernel;
+        let Kernel { impulse, impulse_rate, ramps: [zeroth, first, second, third, ..], .. } = kernel;
         let velocity = state[VELOCITY];
         let change = Change {
             displacement: step * (impulse * velocity + step * (zeroth * pull + first * rise))
@@ -167,7 +169,8 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         };
         let deflection = (state[POSITION] - oscillator.rest) + remainder[POSITION];
         let force = pull + oscillator.stiffness * deflection;
-        Some(Prediction { oscillator, kernel, response, layer, rate, force, rise, change })
+        let ramps = [zeroth, first, second, third];
+        Some(Prediction { oscillator, step, ramps, response, layer, rate, force, rise, change })
     }
 
     #[inline]
@@ -177,11 +180,11 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         attempt: &Attempt<'_, S, impl Input<S>, N, P>,
         prediction: &Prediction<S>,
     ) -> Point<S, N, P> {
-        let Prediction { kernel, force, rise, change, .. } = prediction;
+        let Prediction { step, force, rise, change, .. } = prediction;
         let mut end = *attempt.start;
         end.state[POSITION] += change.displacement;
         end.state[VELOCITY] += change.velocity;
-        end.state[Y::CIRCUIT] += kernel.step * end.derivative[Y::CIRCUIT];
+        end.state[Y::CIRCUIT] += *step * end.derivative[Y::CIRCUIT];
         end.derivative[POSITION] = end.state[VELOCITY];
         end.derivative[VELOCITY] = prediction.end_acceleration(&end, *force + *rise);
         end
