@@ -340,7 +340,6 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
         let name = format!("noise floor of a line{words} {}", with_unit(noise.max(1e-6 * largest), unit));
         curves.push(Curve::new(name, BLACK, Mark::Dashes(1.2), ends.map(|frequency| (frequency, level))));
     }
-    // A noise floor there is not on the axis.
     let bottom = if has(LogAxis::Y) { 0.5 * floor } else { 0.0 };
     let up = Axis::scaled(has(LogAxis::Y), name, [bottom, 1.3 * factor * largest]);
     let chart = Chart::new("spectrum: amplitude of each line", across, up, curves);
