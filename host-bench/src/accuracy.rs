@@ -40,9 +40,6 @@ pub fn run_with_accuracy(scene: &Scene, options: &Options) -> Result<Outcome, Fa
 }
 
 /// Runs a scene by its options as they are, without the search for steps, with its statement and its warnings.
-///
-/// # Errors
-/// If the scene cannot be run.
 pub(crate) fn run_as_it_is(scene: &Scene, options: &Options) -> Result<Outcome, Failure> {
     let options = Options { blocks: true, ..*options };
     let mut outcome = run_scene(scene, &options)?;

@@ -158,9 +158,7 @@ pub(crate) fn fail_after_result(reason: String) -> Result<(), Failure> {
 }
 
 /// Prints the result on standard output, on standard error where a file of the command is standard output, without control characters other than line breaks and tabs.
-///
-/// # Errors
-/// If it cannot be written. A reader that closed its end is no error.
+/// A reader that closed its end is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let text = text.replace(|letter: char| letter.is_control() && !['\n', '\t'].contains(&letter), "");
     let called = PRINTED.with_borrow_mut(|printed| printed.as_mut().map(|printed| printed.push_str(&text)));

@@ -52,10 +52,7 @@ A transient analysis starts in the state of the scene with the option uic.
 ";
 
 impl Netlist {
-    /// The netlist of a scene.
-    ///
-    /// # Errors
-    /// If the scene has parts that no netlist here has.
+    /// The netlist of a scene. Refuses parts that no netlist here has.
     pub(crate) fn new(scene: &Scene) -> Result<Self, Failure> {
         match &scene.model {
             Model::BumpStop(model) => cantilever::netlist(scene, model),
@@ -80,10 +77,7 @@ impl Netlist {
         text + &self.elements + ".ends harvester\n"
     }
 
-    /// A deck that includes the subcircuit from a file in its folder, with load, excitation and window of the scene.
-    ///
-    /// # Errors
-    /// If load or excitation are others than a deck has.
+    /// A deck that includes the subcircuit from a file in its folder, with load, excitation and window of the scene. Refuses others.
     pub(crate) fn deck(&self, scene: &Scene, subcircuit: &Path) -> Result<String, Failure> {
         let refuse = |text: &str| Err(Failure::of_file(scene, text));
         let Excitation::Sine(Tone { amplitude_m_per_s2, frequency_hz, phase_rad }) = scene.excitation else {

@@ -261,10 +261,8 @@ pub(crate) fn work(scene: &Scene, extent: &Extent) -> u64 {
 
 /// Runs all variants on a scene, on the calling thread, one after another; calls `done` with the work of each run.
 ///
-/// A round of repeats goes through all variants, so that a machine that is busy for a while slows all rows alike.
-///
-/// # Errors
-/// [`Failure::Input`] if the scene is refused, [`Failure::Step`] if the reference fails. A variant that fails is a row that says so.
+/// A round of repeats goes through all variants, so that a machine that is busy for a while slows all rows alike. A
+/// variant that fails is a row that says so.
 pub(crate) fn compare(scene: &Scene, extent: &Extent, done: impl Fn(u64)) -> Result<Comparison, Failure> {
     let kind = kind(scene);
     let reference = run_scene(scene, &Options { method: Method::Reference, ..Options::default() })?;

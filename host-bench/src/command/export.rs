@@ -32,9 +32,6 @@ pub struct ExportArguments {
 }
 
 /// Writes the netlist or the FMU of the scene.
-///
-/// # Errors
-/// If the scene is one that neither has, or a file cannot be written.
 pub(super) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let ExportArguments { scene, spice, deck, fmu, library } = arguments;
     let FileArguments { scene: file, overrides } = scene;

@@ -40,9 +40,6 @@ pub struct FindingsArguments {
 }
 
 /// Measures the findings on all cores and prints them.
-///
-/// # Errors
-/// An unknown number, a scene that is refused, or a finding whose mark is not the expected one.
 pub(super) fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
     let FindingsArguments { only, single_start, format, .. } = arguments;
     if arguments.robustness {
@@ -181,10 +178,7 @@ pub struct FiguresArguments {
 }
 
 /// Runs all that the figures need, then writes pictures, numbers and a page for each harvester, and prints
-/// the tables.
-///
-/// # Errors
-/// A folder that cannot be written to, or a run that fails; then nothing of that harvester is written.
+/// the tables. Of a harvester whose run fails nothing is written.
 pub(super) fn run_figures(arguments: &FiguresArguments) -> Result<(), Failure> {
     let root = arguments.output.clone().unwrap_or_else(|| report_folder().join("figures"));
     let wanted = |subject: &Subject| arguments.only.is_empty() || arguments.only.contains(subject);
@@ -251,9 +245,6 @@ const VALIDATION: [Column<'_>; 7] = [
 ];
 
 /// Prints each published figure beside that of the model.
-///
-/// # Errors
-/// A picture that cannot be written, a shipped scene that is not found, or a run that stops.
 pub(super) fn run_validation(arguments: &ValidationArguments) -> Result<(), Failure> {
     let outputs = Outputs::of_shipped(validation::SCENES);
     outputs.check_picture("--picture", &arguments.picture)?;

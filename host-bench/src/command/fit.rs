@@ -55,11 +55,7 @@ pub struct FitArguments {
     picture: Option<PathBuf>,
 }
 
-/// Fits, writes the files, and prints the result.
-///
-/// # Errors
-/// [`Failure::Input`] for bad input, [`Failure::Step`] where the fit has not converged, or the fitted scene was asked for and
-/// is not written.
+/// Fits, writes the files, and prints the result. [`Failure::Step`] where the fit has not converged, or its scene is not written.
 pub(super) fn run(arguments: &FitArguments) -> Result<(), Failure> {
     let SceneArguments { scene: file, options, overrides, .. } = &arguments.scene;
     let (scene, table) = scene_file::read_with_fit(file, overrides)?;

@@ -52,9 +52,6 @@ pub struct NeedsArguments {
 const ACCURACY: [f64; 2] = [1e-4, 0.5];
 
 /// Leaves out each part of the scene, and prints what that changes, the cut scene, and what runs it.
-///
-/// # Errors
-/// If the scene cannot be read or run.
 pub(super) fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     let accuracy = arguments.accuracy;
     let [lowest, highest] = ACCURACY;

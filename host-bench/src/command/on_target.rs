@@ -124,10 +124,6 @@ const PER_CALL: Column = ("instructions per sample or call", rows::PER_STEP.1);
 const PER_SECOND: Column = ("per second", rows::PER_SECOND.1);
 
 /// Measures the estimators of all scenes and the look-up, and prints their instructions.
-///
-/// # Errors
-///
-/// If the firmware does not build or run, or computes other bits than the host.
 fn estimators(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     let estimator =
         |scene, method, steps| Case { steps, by_sample: true, ..Case::new("estimator", scene, method) };
@@ -204,10 +200,6 @@ impl Output {
 }
 
 /// Measures both and prints one table.
-///
-/// # Errors
-///
-/// If the firmware does not build or run, or model-core computes other bits than on the host.
 fn beside_peer(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     let scene = crate::on_target::native::scene("contact-separation", &SMOOTH, 0.0)?;
     let case = |method, steps| Case::of_scene("smooth", &scene, method, steps);

@@ -148,10 +148,7 @@ impl Rows {
     /// output has none.
     ///
     /// A row that is torn or damaged is left out with a note, and the file is replaced by one without it. The files of merged parts
-    /// stay.
-    ///
-    /// # Errors
-    /// A file that is of another kind, that `check` refuses, or that cannot be read or written; a merged part that lacks a case.
+    /// stay. Refuses a file of another kind, or that `check` refuses, and a merged part that lacks a case.
     pub(super) fn open<T>(
         path: &Path,
         (parts, cases): (Parts, usize),

@@ -66,10 +66,7 @@ const MOST_ATTEMPTS: [u64; 2] = [2_000_000, 200_000];
 /// Of the settings of the grid and of the random scenes of a beam, every so many-th is judged by the reference.
 const BY_REFERENCE: [usize; 2] = [7, 3];
 
-/// Runs all cases, on all cores, and prints what became of them.
-///
-/// # Errors
-/// If a shipped scene cannot be read, if a file cannot be written, or if a case is wrong or broken.
+/// Runs all cases, on all cores, and prints what became of them. Fails if a case is wrong or broken.
 pub(super) fn run(arguments: &StabilityArguments) -> Result<(), Failure> {
     if arguments.day {
         return run_days(arguments.scene, arguments.format);
@@ -136,10 +133,7 @@ fn none_of<T>(rows: &[T], fails: impl Fn(&T) -> bool, what: &str) -> Result<(), 
     }
 }
 
-/// Runs all pairs on all cores and prints them.
-///
-/// # Errors
-/// If a run does not come to its end, or if a pair differs by more than it claims.
+/// Runs all pairs on all cores and prints them. Fails if a pair differs by more than it claims.
 fn run_days(kind: Option<Kind>, format: Format) -> Result<(), Failure> {
     let pairs = pairs(kind, DAY_S);
     let runs: Vec<(usize, usize)> =

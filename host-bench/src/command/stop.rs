@@ -172,10 +172,7 @@ fn unstopped(scene: &Scene) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
-/// The numbers of a run that are printed.
-///
-/// # Errors
-/// If the method does not measure the bending.
+/// The numbers of a run that are printed. Fails if the method does not measure the bending.
 fn numbers(outcome: &Outcome) -> Result<Fields, Failure> {
     let particular = outcome.bump_stop();
     let Some(clamp) = particular.and_then(|found| found.clamp) else {

@@ -60,10 +60,7 @@ pub struct ToleranceArguments {
     at_least: Option<f64>,
 }
 
-/// Runs the samples, writes the files and prints the statistics.
-///
-/// # Errors
-/// Bad input, of any sample; and after the files were written, a sample that could not be run to its end.
+/// Runs the samples, writes the files and prints the statistics. Fails after that if a sample could not be run.
 pub(super) fn run(arguments: &ToleranceArguments) -> Result<(), Failure> {
     with_samples(arguments, |points, done, found, picture| {
         let text = match points.arguments.scene.format {

@@ -17,10 +17,7 @@ All elements are linear: nothing is regularised, and .ac holds too. The mean pow
 step: of bump-stop-none.toml within 4e-5 at 1000 steps of a period, within 4e-4 at 400.
 ";
 
-/// The netlist of a cantilever.
-///
-/// # Errors
-/// If it has a stop.
+/// The netlist of a cantilever. Refuses a stop.
 pub(super) fn netlist(scene: &Scene, model: &BumpStop) -> Result<Netlist, Failure> {
     if model.stop.is_some() {
         let text = "stop: must be absent for --spice: a netlist has no contact between modes of beam and rod";

@@ -27,10 +27,7 @@ const UNITS: &str = r#"
     <Unit name="J"><BaseUnit kg="1" m="2" s="-2"/></Unit>
 "#;
 
-/// The file of the FMU of a scene; `library` is the shared library of the package `harvester-fmu`.
-///
-/// # Errors
-/// A scene that the core refuses, or a load that has no input.
+/// The file of the FMU of a scene; `library` is the shared library of the package `harvester-fmu`. Refuses a load without an input.
 pub(crate) fn fmu(scene: &Scene, overrides: &[Override], library: &[u8]) -> Result<Vec<u8>, Failure> {
     let variables = embedded::variables(scene)?;
     let description = description(scene, &variables, fingerprint(scene)?);

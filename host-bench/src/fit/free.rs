@@ -116,12 +116,9 @@ impl Free {
     }
 }
 
-/// The free number of a key of a scene.
+/// The free number of a key of a scene, which must be a number.
 ///
 /// Bounds that are not given are where the scene file's reader begins to refuse, at most a factor of a thousand from the start.
-///
-/// # Errors
-/// If the key does not exist or is not a number.
 pub(crate) fn of_key(file: &Path, overrides: &[Override], asked: &Asked) -> Result<Free, Failure> {
     let refuse = |text: String| Failure::Input(format!("--free {}: {text}", asked.key));
     let read = |value: f64| {

@@ -175,9 +175,6 @@ impl<'a> Sampled<'a> {
     }
 
     /// Adds runs up to a number of them.
-    ///
-    /// # Errors
-    /// If one of them cannot be run.
     pub(super) fn grow(&mut self, count: usize) -> Result<(), Failure> {
         let (scene, options, accuracy) = (self.scene, &self.options, self.accuracy);
         let more: Vec<usize> = (self.runs.len()..count).collect();

@@ -83,10 +83,7 @@ struct Pieces {
 }
 
 impl Emission<'_> {
-    /// The module.
-    ///
-    /// # Errors
-    /// If the setting is not in single precision, or the scene delivers no power.
+    /// The module. Refuses a setting in double precision, and a scene that delivers no power.
     pub(crate) fn module(&self) -> Result<String, Failure> {
         if self.setting.precision != Precision::F32 {
             return Err(Failure::Input("--emit: f32 does not hold the accuracy".to_owned()));

@@ -47,9 +47,6 @@ pub(crate) struct Study {
 
 impl Study {
     /// Runs the full scene, and the full scene at the corners of a range, for a study of its parts at a relative accuracy.
-    ///
-    /// # Errors
-    /// If one of them cannot be run.
     pub(crate) fn with_corners(
         scene: &Scene,
         corners: &[(Corner, Scene)],
@@ -69,9 +66,6 @@ impl Study {
     }
 
     /// Runs the full scene for a study of its parts at a relative accuracy.
-    ///
-    /// # Errors
-    /// If the scene cannot be run.
     pub(crate) fn new(scene: &Scene, accuracy: f64) -> Result<Self, Failure> {
         let (scene, warning) = with_cycles(scene)?;
         let mut study = Self::of_window(&scene, accuracy)?;

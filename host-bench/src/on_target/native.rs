@@ -35,10 +35,6 @@ pub fn run(workload: &mut dyn Native) -> Result<Vec<Sample>, Error> {
 }
 
 /// Runs each of `workloads` and gives the results of `run`, in order.
-///
-/// # Errors
-///
-/// The first error of `run`, or if the parameters of a workload are refused.
 pub(crate) fn each_workload<T>(
     workloads: impl FnOnce(Visit<'_>) -> Option<()>,
     mut run: impl FnMut(&mut dyn Native) -> Result<T, Error>,

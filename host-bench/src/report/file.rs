@@ -27,10 +27,7 @@ pub(crate) fn set_width_mm(width: f64) {
     let _ = WIDTH_MM.set(width);
 }
 
-/// Reads a printed width, such as `85mm` or `3.3in`, in mm.
-///
-/// # Errors
-/// If it is no number, has another unit, or is outside 80 to 420 mm.
+/// Reads a printed width, such as `85mm` or `3.3in`, in mm. Refuses widths outside 80 to 420 mm.
 pub(crate) fn width_mm(text: &str) -> Result<f64, String> {
     let units = [("mm", 1.0), ("cm", 10.0), ("in", 25.4)];
     let parsed = units.into_iter().find_map(|(unit, factor)| {

@@ -116,10 +116,7 @@ pub(super) fn moves(kind: Kind, course: Course) -> bool {
     !kind.is_slider() || !matches!(course, Course::Truck | Course::Rail | Course::Walking)
 }
 
-/// The timelines of an extent that move it, of a harvester as designed and of one that is off.
-///
-/// # Errors
-/// If a scene cannot be read or stepped, or gives no energy or none for which a node can be built.
+/// The timelines of an extent that move it, as designed and off. Refuses energies for which no node can be built.
 pub(crate) fn timelines(extent: &Extent) -> Result<Vec<Timeline>, Failure> {
     let mut all = Vec::new();
     for &kind in &extent.kinds {

@@ -35,10 +35,7 @@ static OTHER: OnceLock<Other> = OnceLock::new();
 
 impl Kind {
     /// That of a scene file, with its map; one of a process. It is for vibration from a quarter to 1.5 of the amplitude of its sine,
-    /// within 4 % of the resonance.
-    ///
-    /// # Errors
-    /// If the file is refused, has another excitation, another load or a stop, or if there is no map of it.
+    /// within 4 % of the resonance. Refuses another excitation, another load, and a stop.
     pub(crate) fn of_file(file: &Path, step: &(impl Fn(Step) + Sync)) -> Result<Self, Failure> {
         let scene = scene_file::read(file, &[])?;
         let refuse = |text: String| Err(Failure::of_file(&scene, text));

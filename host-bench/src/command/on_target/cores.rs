@@ -17,10 +17,6 @@ const SCENE: Column = ("scene", |row| row.case.name.clone());
 const RUN: Column = ("run", |row| row.case.name.clone());
 
 /// Measures the benches on `cores` and prints their tables.
-///
-/// # Errors
-///
-/// If the firmware does not build or run, or computes other bits than the host.
 pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Result<(), Error> {
     let (benches, others) = (benches()?, others()?);
     let measured = on_each(cores, |core| {

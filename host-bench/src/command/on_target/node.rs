@@ -14,10 +14,6 @@ use crate::on_target::node::{self, Bare, Call, Followed, calls};
 use crate::on_target::qemu::Core;
 
 /// Runs the node of each core.
-///
-/// # Errors
-///
-/// If a firmware does not build or run, or the host's run logs anything else.
 pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Result<(), Error> {
     let measured = on_each(cores, |core| {
         announce(core);

@@ -72,10 +72,6 @@ impl Case {
     }
 
     /// A run that is compared with the reference of `scene`.
-    ///
-    /// # Errors
-    ///
-    /// If the reference run fails.
     pub(super) fn of_scene(
         name: impl Into<String>,
         scene: &Scene,
@@ -106,10 +102,6 @@ pub(super) struct Row {
 }
 
 /// Measures `variant`, whose workloads `cases` describe in order.
-///
-/// # Errors
-///
-/// If the measurement fails, or has another number of workloads.
 pub(super) fn measure(bench: &Bench, variant: &Variant, cases: Vec<Case>) -> Result<Vec<Row>, Error> {
     let core = bench.core();
     let measurement = bench.measure(variant)?;

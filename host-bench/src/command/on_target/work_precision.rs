@@ -15,10 +15,6 @@ use crate::scene_file::{Load, Scene};
 const SETTLE_S: f64 = 10.0;
 
 /// Measures the scenes with each setting and prints a table of each.
-///
-/// # Errors
-///
-/// If the firmware does not build or run, or computes other bits than the host.
 pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     report_contact_separation(bench, output)?;
     report_sliding(bench, output)?;

@@ -94,9 +94,6 @@ impl Quarter {
     }
 
     /// Refuses a quarter of a node that did not read, gave no number, or lost an image of its own.
-    ///
-    /// # Errors
-    /// The quarter and the count.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         let Self { tier, storage, capacitance_f, stress, quarter, .. } = self;
         let counts = [
