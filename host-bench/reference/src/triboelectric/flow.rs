@@ -115,9 +115,7 @@ impl<'a, H: Harvester> Flow<'a, H> {
             let voltage_rate = |t: f64| arc.at(t)[1][2];
             let (motion, voltage_rate, exact) = (&motion, &voltage_rate, &exact);
             watch(&Step { start: *last, end, turns, motion, voltage_rate, exact, integrals });
-            if let Some(reason) = failure.take() {
-                return Err(reason);
-            }
+            failure.take().map_or(Ok(()), Err)?;
             add(&mut sums, 1.0, &integrals);
             (search, *last, next, longest) = (searched, end, arc.next, smooth);
             if !self.harvester.is_in_range(&end.1) {
