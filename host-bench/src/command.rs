@@ -44,7 +44,7 @@ use crate::scene_file::{Override, Scene, contains, replaces};
 use harvester_scene::progress;
 
 /// Arguments that `run`, `sweep` and `resonance` have in common.
-#[derive(Debug, Clone, clap::Args)]
+#[derive(Debug, Clone, Default, clap::Args)]
 pub struct SceneArguments {
     /// Scene file
     #[arg(value_name = "SCENE.toml")]
@@ -247,7 +247,7 @@ const REPLACED: [Unused; 5] = [
     ("load.draw", "--storage-voltage holds the voltage of the storage"),
 ];
 
-#[derive(Debug, Clone, Copy, clap::Args)]
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
 struct StorageVoltage {
     /// Hold the voltage of the storage or bus behind the bridge at this value in V
     #[arg(long, value_name = "V", allow_hyphen_values = true)]

@@ -14,7 +14,7 @@ use crate::scene_file::{self, Override, Scene};
 use harvester_scene::root::lowest_point;
 
 /// A published figure and that of the model.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
 pub struct Figure {
     /// What was measured, with its unit; `≥`: the publication states a lower bound.
     pub quantity: String,
@@ -33,15 +33,7 @@ pub struct Figure {
 impl Figure {
     fn new(source: &'static str, quantity: impl Into<String>, measured: f64, ours: f64) -> Self {
         let relative_difference = ours / measured - 1.0;
-        Self {
-            quantity: quantity.into(),
-            source,
-            start: None,
-            measured,
-            ours,
-            relative_difference,
-            fitted: false,
-        }
+        Self { quantity: quantity.into(), source, measured, ours, relative_difference, ..Self::default() }
     }
 }
 

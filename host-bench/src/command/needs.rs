@@ -84,8 +84,7 @@ pub(super) fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     bar.finish_and_clear();
     let emission = Emitting { study: &study, needs: &needs, numerics: &numerics };
     if let Some(file) = &arguments.emit {
-        let command = command(arguments, file);
-        outputs.keep(file, emission.cut(&command)?);
+        outputs.keep(file, emission.module(&needs.cut_scene, &needs.cut, &command(arguments, file))?);
     }
     let on_core = arguments.core.map(|core| emission.on_core(core)).transpose()?;
     let text = match arguments.format {
@@ -181,10 +180,6 @@ impl Emitting<'_> {
         least_single(self.numerics)
             .map(|found| found.setting)
             .ok_or_else(|| Failure::Step("no method of the core holds the accuracy in f32".to_owned()))
-    }
-
-    fn cut(&self, command: &str) -> Result<String, Failure> {
-        self.module(&self.needs.cut_scene, &self.needs.cut, command)
     }
 
     fn module(&self, scene: &Scene, cut: &[Part], command: &str) -> Result<String, Failure> {
@@ -314,15 +309,11 @@ fn report(study: &Study, accuracy: f64, needs: &Needs, numerics: &[Numerics]) ->
     }
     text += &points(study);
     if !study.is_sound() {
-        text.push_str(
-            "Its error is not known to be below half the accuracy: the verdicts are not certain.\n",
-        );
+        text += "Its error is not known to be below half the accuracy: the verdicts are not certain.\n";
     }
     if study.is_chaotic {
-        text.push_str(
-            "The motion is chaotic: a base acceleration larger by 1e-9 changes the mean power. Means over runs are compared, \
-             with half their 95 % interval.\n",
-        );
+        text += "The motion is chaotic: a base acceleration larger by 1e-9 changes the mean power. Means over runs are compared, \
+             with half their 95 % interval.\n";
         text.push_str(&format!("Runs of the full scene: {}.\n", study.runs()));
     }
     text.push_str(&format!("\nChange without a part; accepted: {}\n\n", percent(Some(accuracy))));

@@ -18,7 +18,7 @@ use super::count;
 use super::files::Outputs;
 use crate::method::Failure;
 use crate::on_target::qemu::{self, Core};
-use crate::on_target::{Bench, Error, build, day};
+use crate::on_target::{Bench, Error, build, day, native};
 use crate::outcome;
 use crate::run::each;
 use rows::{Case, Column, RADAU, Row, Steps};
@@ -75,7 +75,7 @@ pub fn run(arguments: &OnTargetArguments) -> Result<(), Error> {
     build::workspace().map_err(|what| Error::File { path: "on-target".into(), what })?;
     qemu::find()?;
     let limit = Duration::from_secs(arguments.time_limit);
-    let mut output = Output::new(arguments.format);
+    let mut output = Output { format: arguments.format, objects: Vec::new() };
     let cores = |default: &[Core]| match &arguments.core[..] {
         [] => default.to_vec(),
         chosen => chosen.to_vec(),
@@ -166,10 +166,6 @@ struct Output {
 }
 
 impl Output {
-    fn new(format: Format) -> Self {
-        Self { format, objects: Vec::new() }
-    }
-
     /// A table of measured rows, the first `text` columns to the left, and a note below it.
     fn rows(&mut self, rows: &[Row], columns: &[Column], text: usize, note: &str) {
         let cells = |row: &Row| columns.iter().map(|(_, cell)| cell(row)).collect();
@@ -188,10 +184,6 @@ impl Output {
         println!("{table}{}\n", paragraphs.collect::<Vec<_>>().join(".\n"));
     }
 
-    fn object(&mut self, object: Value) {
-        self.objects.push(object);
-    }
-
     fn finish(self) {
         if self.format == Format::Json {
             println!("{:#}", Value::Array(self.objects));
@@ -201,7 +193,7 @@ impl Output {
 
 /// Measures both and prints one table.
 fn beside_peer(bench: &Bench, output: &mut Output) -> Result<(), Error> {
-    let scene = crate::on_target::native::scene("contact-separation", &SMOOTH, 0.0)?;
+    let scene = native::scene("contact-separation", &SMOOTH, 0.0)?;
     let case = |method, steps| Case::of_scene("smooth", &scene, method, steps);
     let ours = SMOOTH_TOLERANCES.map(|value| case("model-core, exponential Radau", Steps::Tolerance(value)));
     let explicit = case("model-core, Runge-Kutta 4", Steps::Fixed(SMOOTH_STEP));

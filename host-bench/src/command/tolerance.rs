@@ -32,7 +32,7 @@ const LEAST_R_SQUARED: f64 = 0.7;
 /// Percentiles: name, and part of the samples below it.
 const PERCENTILES: [(&str, f64); 3] = [("percentile_5", 0.05), ("median", 0.5), ("percentile_95", 0.95)];
 
-#[derive(Debug, Clone, clap::Args)]
+#[derive(Debug, Clone, Default, clap::Args)]
 pub struct ToleranceArguments {
     #[command(flatten)]
     points: PointArguments,
@@ -81,12 +81,9 @@ pub(super) fn sampled(
     let arguments = ToleranceArguments {
         points: shared.clone(),
         varied,
-        parts: None,
-        correlations: Vec::new(),
         samples: Some(samples),
-        seed: 0,
         quantity: "mean_power_w".to_owned(),
-        at_least: None,
+        ..ToleranceArguments::default()
     };
     let found = with_samples(&arguments, |_, _, found, picture| {
         Ok(Picture { text: found.table(&Picture::default()).trim_end().to_owned(), ..picture })

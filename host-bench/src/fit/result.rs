@@ -44,7 +44,7 @@ pub(crate) struct Curve {
     pub(crate) lines: Vec<Line>,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct FitResult {
     pub(crate) scene: &'static str,
     pub(crate) converged: bool,
@@ -129,9 +129,6 @@ impl FitResult {
             converged: solved.converged,
             parameters: parameters.collect(),
             correlation: correlation.collect(),
-            reduced_chi_squared: None,
-            relative_residual: Vec::new(),
-            weighting: Vec::new(),
             points: problem.count(),
             evaluations: problem.evaluations.load(Ordering::Relaxed),
             undetermined: undetermined.collect(),
@@ -139,10 +136,8 @@ impl FitResult {
                 Interpolation::Smooth => "smooth",
                 Interpolation::Linear => "linear",
             }),
-            unfollowed: Vec::new(),
-            warnings: Vec::new(),
-            statements: Statements::default(),
             curves: curves(problem, &solved.evaluation.values),
+            ..Self::default()
         }
     }
 

@@ -18,7 +18,7 @@ const HALVINGS: [u32; 2] = [4, 3];
 const STRAIGHT: f64 = 0.03;
 
 /// The steady motions at one frequency.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Column {
     pub frequency_hz: f64,
     /// Level of the amplitude at which a rising sweep leaves the lower branch; the highest that is sought if it does not.
@@ -89,14 +89,7 @@ pub(super) fn column(
 ) -> Result<Column, Failure> {
     let [lowest, highest] = amplitudes.map(level_of);
     let (floor, cap) = (lowest - BEYOND, highest + BEYOND);
-    let mut column = Column {
-        frequency_hz,
-        rising: cap,
-        falling: cap,
-        found: false,
-        lower: Vec::new(),
-        upper: Vec::new(),
-    };
+    let mut column = Column { frequency_hz, rising: cap, falling: cap, ..Column::default() };
     let (mut steps, mut steps_down) = (Vec::new(), Vec::new());
     let left = rise(continuation, [floor, cap], &mut steps, &mut column.lower)?;
     let mut level = match left {

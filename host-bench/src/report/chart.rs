@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 
 use super::svg::{decimal, even_ticks, extremes, linear_ticks, logarithmic_ticks, range, shade, tick_label};
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Axis {
     /// The quantity with its unit.
     pub(crate) title: String,
@@ -250,7 +250,7 @@ impl Field {
 }
 
 /// Curves, and cells of colours below them, over two axes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Chart {
     pub(crate) title: String,
     pub(crate) across: Axis,
@@ -281,19 +281,7 @@ impl Chart {
         if up.span[1] - up.span[0] < 1e-250 && first.is_finite() && last.is_nan() {
             up.span[1] = up.span[0] + 1.0;
         }
-        Self {
-            title: title.into(),
-            across,
-            up,
-            curves,
-            field: None,
-            is_orbit: false,
-            note: String::new(),
-            height: 320,
-            is_half: false,
-            is_of_page: false,
-            group: String::new(),
-        }
+        Self { title: title.into(), across, up, curves, height: 320, ..Self::default() }
     }
 
     /// Cells around the values of both axes, which rise, with the quantity of their values.

@@ -7,6 +7,7 @@ mod sliding;
 use std::collections::BTreeSet;
 
 use super::Case;
+use crate::command::SHIPPED_SCENES;
 use crate::method::Precision;
 
 /// Which cases.
@@ -41,11 +42,7 @@ pub enum Kind {
 impl Kind {
     /// The name of its shipped scene, without ending.
     pub fn scene(self) -> &'static str {
-        match self {
-            Self::ContactSeparation => "contact-separation",
-            Self::Sliding => "sliding",
-            Self::BumpStop => "bump-stop",
-        }
+        SHIPPED_SCENES[self as usize]
     }
 }
 

@@ -6,8 +6,8 @@ use firmware_example::workload::{Variant, bump_stop, contact_separation, named, 
 
 use super::rows::{self, Case, Column, RADAU, Row, Steps};
 use super::{Output, bench, on_each};
-use crate::on_target::Error;
 use crate::on_target::qemu::Core;
+use crate::on_target::{Error, native};
 use crate::scene_file::{Draw, ForceLaw, Load, Model, RectifiedStore};
 
 /// Settling time of the bump-stop runs in seconds: their first sample.
@@ -55,9 +55,9 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
 }
 
 fn benches() -> Result<[(Variant, Case); 3], Error> {
-    let contact = crate::on_target::native::scene("contact-separation", &contact_separation::IMPACTING, 0.0)?;
-    let slide = crate::on_target::native::scene("sliding", &sliding::SLIDING, 0.0)?;
-    let bump = crate::on_target::native::bump_stop(&bump_stop::IMPACTING, bump_stop::GAPS[1], SETTLE_S)?;
+    let contact = native::scene("contact-separation", &contact_separation::IMPACTING, 0.0)?;
+    let slide = native::scene("sliding", &sliding::SLIDING, 0.0)?;
+    let bump = native::bump_stop(&bump_stop::IMPACTING, bump_stop::GAPS[1], SETTLE_S)?;
     let tolerance = Steps::Tolerance(contact_separation::TOLERANCE);
     let steps = Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG]);
     Ok([
@@ -79,8 +79,7 @@ fn benches() -> Result<[(Variant, Case); 3], Error> {
 /// The runs beside the benches, and the builds of the coefficients.
 fn others() -> Result<[(Variant, Vec<Case>); 4], Error> {
     let [capacitance, initial_v, diode_drop] = contact_separation::STORAGE.map(f64::from);
-    let mut charging =
-        crate::on_target::native::scene("contact-separation", &contact_separation::PASSIVE, 0.0)?;
+    let mut charging = native::scene("contact-separation", &contact_separation::PASSIVE, 0.0)?;
     if let Model::ContactSeparation(model) = &mut charging.model {
         model.parameters.force_law = ForceLaw::GapField;
     }
@@ -91,9 +90,9 @@ fn others() -> Result<[(Variant, Vec<Case>); 4], Error> {
         initial_v,
         draw: Draw::None,
     });
-    let checked = crate::on_target::native::bump_stop(&bump_stop::CHECKED, bump_stop::GAPS[1], SETTLE_S)?;
-    let stick_slip = crate::on_target::native::scene("sliding", &sliding::STICK_SLIP, 0.0)?;
-    let touching = crate::on_target::native::bump_stop(&bump_stop::TOUCHING, 0.0, SETTLE_S)?;
+    let checked = native::bump_stop(&bump_stop::CHECKED, bump_stop::GAPS[1], SETTLE_S)?;
+    let stick_slip = native::scene("sliding", &sliding::STICK_SLIP, 0.0)?;
+    let touching = native::bump_stop(&bump_stop::TOUCHING, 0.0, SETTLE_S)?;
     let (step, tolerance) = (Steps::Fixed(sliding::STEP), Steps::Tolerance(sliding::TOLERANCE));
     let steps = Steps::ShortAndLong([bump_stop::SHORT, bump_stop::LONG]);
     let of_storage = Steps::Tolerance(contact_separation::TOLERANCE);

@@ -112,7 +112,7 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
     let note = day_note(core, found, &hours, last, &all);
     let header = vec!["until", "estimated", "bound", "true", "error", "inside"];
     output.table(header, rows, 1, &note);
-    hours.iter().for_each(|hour| output.object(hour.json(core, "hour")));
+    hours.iter().for_each(|hour| output.objects.push(hour.json(core, "hour")));
     let Bare { size: bare, memory, .. } = &found.bare;
     let mut day = all.json(core, "day");
     let more = json!({
@@ -133,7 +133,7 @@ fn hours(core: Core, found: &Followed, output: &mut Output) {
     if let (Value::Object(day), Value::Object(more)) = (&mut day, more) {
         day.extend(more);
     }
-    output.object(day);
+    output.objects.push(day);
 }
 
 /// What stands below the hours of a day.
@@ -220,7 +220,7 @@ fn tier(core: Core, tier: &str, bare: &Bare, shares: &[(&'static str, f64)], out
     );
     output.table(vec!["call", "number", "mean", "largest", "stack"], rows.collect(), 1, &note);
     for Call { name, counts: [number, mean, largest, stack] } in &bare.calls {
-        output.object(json!({
+        output.objects.push(json!({
             "tier": tier,
             "core": core.to_string(),
             "call": name,
@@ -231,7 +231,7 @@ fn tier(core: Core, tier: &str, bare: &Bare, shares: &[(&'static str, f64)], out
         }));
     }
     for (part, share) in shares {
-        output.object(json!({
+        output.objects.push(json!({
             "tier": tier,
             "core": core.to_string(),
             "part": part,
@@ -287,7 +287,7 @@ and {bursts} bursts in the day. {UNCONFIRMED} marks an energy per cycle that was
     );
     output.table(vec!["part", "a reading", "a burst", "of the income"], rows.collect(), 1, &note);
     for (part, [reading, burst, share]) in &lines {
-        output.object(json!({
+        output.objects.push(json!({
             "core": core.to_string(),
             "variant": "node",
             "case": "estimation",

@@ -11,7 +11,7 @@ use firmware_example::workload::Variant;
 /// Name of the method of the triboelectric scenes.
 pub(super) const RADAU: &str = "exponential Radau";
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) enum Steps {
     /// A relative tolerance per radian.
     Tolerance(f32),
@@ -20,6 +20,7 @@ pub(super) enum Steps {
     /// The lengths near contact and in free flight, in seconds.
     ShortAndLong([f32; 2]),
     /// A computation without steps.
+    #[default]
     None,
 }
 
@@ -34,7 +35,7 @@ impl Steps {
     }
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Case {
     pub(super) name: String,
     pub(super) scene: &'static str,
@@ -57,18 +58,7 @@ pub(super) struct Case {
 impl Case {
     /// A computation without a reference.
     pub(super) fn new(name: impl Into<String>, scene: &'static str, method: &'static str) -> Self {
-        Self {
-            name: name.into(),
-            scene,
-            load_ohm: None,
-            method,
-            steps: Steps::None,
-            reference: None,
-            by_voltage: false,
-            by_sample: false,
-            counted_from_us: 0,
-            host_errors: Vec::new(),
-        }
+        Self { name: name.into(), scene, method, ..Self::default() }
     }
 
     /// A run that is compared with the reference of `scene`.

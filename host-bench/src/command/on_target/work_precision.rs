@@ -7,7 +7,6 @@ use super::Output;
 use super::rows::{self, Case, Column, Steps, percent};
 use crate::embedded;
 use crate::method::{Method, Options, Precision};
-use crate::on_target::native::Reference;
 use crate::on_target::{Bench, Error, native};
 use crate::scene_file::{Load, Scene};
 
@@ -23,7 +22,7 @@ pub(super) fn report(bench: &Bench, output: &mut Output) -> Result<(), Error> {
 
 fn report_contact_separation(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     use contact_separation::{EXPLICIT_STEPS, LOAD_TOLERANCES, LOADS, SETTLING, STEPS, TOLERANCES};
-    let mut scene = crate::on_target::native::scene("contact-separation", &SETTLING, SETTLE_S)?;
+    let mut scene = native::scene("contact-separation", &SETTLING, SETTLE_S)?;
     let mut others = other_cases(&scene, &TOLERANCES, &STEPS, &EXPLICIT_STEPS)?;
     others.iter_mut().try_for_each(|case| add_double_precision(case, &scene))?;
     let mut cases = Vec::new();
@@ -58,7 +57,7 @@ them, which are not cycles.",
 
 fn report_sliding(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     use sliding::{ABOVE, BELOW, EXPLICIT_STEPS, LOAD_TOLERANCES, LOADS, SETTLING, STEPS, TOLERANCES};
-    let mut scene = crate::on_target::native::scene("sliding", &SETTLING, SETTLE_S)?;
+    let mut scene = native::scene("sliding", &SETTLING, SETTLE_S)?;
     let mut others = other_cases(&scene, &TOLERANCES, &STEPS, &EXPLICIT_STEPS)?;
     for plan in [BELOW, ABOVE] {
         for (case, error) in others.iter_mut().zip(sliding_host_errors(plan)?) {
@@ -103,7 +102,7 @@ fn report_bump_stop(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     });
     let mut cases = Vec::new();
     for gap in GAPS {
-        let scene = crate::on_target::native::bump_stop(&SETTLING, gap, 0.5)?;
+        let scene = native::bump_stop(&SETTLING, gap, 0.5)?;
         let name = format!("{}", gap * 1e6);
         let case = Case::of_scene(name, &scene, "discrete gradient", Steps::None)?;
         cases.extend(STEPS.map(|steps| Case { steps: Steps::ShortAndLong(steps), ..case.clone() }));
@@ -187,7 +186,7 @@ fn double_precision(case: &Case) -> Options {
 
 /// Relative errors of the sliding runs under `plan`, on the host, which computes the core's bits.
 fn sliding_host_errors(plan: Plan) -> Result<Vec<Option<f64>>, Error> {
-    let reference = Reference::new(&crate::on_target::native::scene("sliding", &plan, SETTLE_S)?)?;
+    let reference = native::Reference::new(&native::scene("sliding", &plan, SETTLE_S)?)?;
     native::each_workload(
         |visit| sliding::precision_of(plan, visit),
         |workload| Ok(reference.power_error(&native::run(workload)?)),

@@ -21,7 +21,7 @@ use crate::run::{run_scene, stopped_as_text, try_each, try_run_scene};
 use crate::scene_file::{self, Override, Scene};
 use crate::stability::{build, fnv_1a};
 
-#[derive(Debug, Clone, clap::Args)]
+#[derive(Debug, Clone, Default, clap::Args)]
 pub(in crate::command) struct PointArguments {
     #[command(flatten)]
     pub(in crate::command) scene: SceneArguments,
@@ -51,18 +51,7 @@ pub(in crate::command) struct PointArguments {
 impl PointArguments {
     /// Each point run once: without an accuracy statement, displaced starts, files and node.
     pub(in crate::command) fn of_single_runs(scene: SceneArguments) -> Self {
-        let storage_voltage = StorageVoltage { storage_voltage: None };
-        let [steady_state, node] = [false; 2];
-        Self {
-            scene,
-            output: None,
-            steady_state,
-            storage_voltage,
-            node,
-            no_accuracy: true,
-            single_start: true,
-            parts: Parts::default(),
-        }
+        Self { scene, no_accuracy: true, single_start: true, ..Self::default() }
     }
 
     pub(in crate::command) fn options(&self) -> Options {
@@ -338,16 +327,12 @@ fn compared(
     let (Some(steady), Some(frequency)) = (&outcome.steady_state, scene.excitation.single_frequency()) else {
         return Ok(None);
     };
-    let seconds = if let Some(options) = compare {
-        let options = Options { steady_state: false, ..*options };
-        // A run that fails leaves nothing to compare with.
-        try_run_scene(scene, &options)?.ok().map(|run| [outcome.processor_s, run.processor_s])
-    } else {
-        None
-    };
+    let run = |options: &Options| try_run_scene(scene, &Options { steady_state: false, ..*options });
+    // A run that fails leaves nothing to compare with.
+    let run = compare.map(run).transpose()?.and_then(Result::ok);
     Ok(Some(Compared {
         periods: [steady.simulated_periods, frequency * scene.run.duration_s],
-        seconds,
+        seconds: run.map(|run| [outcome.processor_s, run.processor_s]),
         is_stable: outcome.is_of_an_orbit(),
     }))
 }
