@@ -121,7 +121,6 @@ pub(crate) fn print_line(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// Prints a warning on standard error.
 pub(crate) fn warn(text: &str) {
     print_folded(&format!("warning: {text}"));
 }

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{DMatrix, DVector};
 
 use self::data::{Data, Rows};
-use self::described::described;
+use self::described::{described, weighted};
 pub(crate) use self::fitted::{Entry, fitted_scene};
 use self::free::Asked;
 use self::model::{Interpolation, Problem};
@@ -284,14 +284,8 @@ fn settled(
 /// of the determinant of the information, by which the residuals of two weightings of the same data are compared
 /// (H. D. Patterson and R. Thompson, Biometrika 58 (1971) 545).
 fn leverages(problem: &Problem<'_>, solved: &Solved, sigma: &[f64]) -> (Vec<f64>, f64) {
-    let columns: Vec<DVector<f64>> = problem
-        .jacobian(&solved.at, &solved.evaluation, SEARCH_STEP)
-        .into_iter()
-        .map(|column| {
-            DVector::from_iterator(column.len(), column.iter().zip(sigma).map(|(slope, sigma)| slope / sigma))
-        })
-        .filter(|column| column.norm() > 0.0)
-        .collect();
+    let mut columns = weighted(problem, solved, sigma, SEARCH_STEP);
+    columns.retain(|column| column.norm() > 0.0);
     let mut information: f64 = columns.iter().map(|column| column.norm().ln()).sum();
     let columns: Vec<DVector<f64>> = columns.into_iter().map(|column| column.normalize()).collect();
     let mut all = vec![0.0; problem.count()];

@@ -124,46 +124,7 @@ pub fn map(
     options: &Options,
     step: &(impl Fn(Step) + Sync),
 ) -> Result<Map, Failure> {
-    let scenes = scenes(scene, request)?;
-    of_slices(&scenes, request, options, step)
-}
-
-/// The scene of each slice: at a fixed voltage of the storage behind a bridge.
-fn scenes(scene: &Scene, request: &Request) -> Result<Vec<Scene>, Failure> {
-    let refuse = |text: &str| Err(Failure::of_file(scene, text));
-    let bus = |voltage_v: f64, diode_drop_v: f64| Scene {
-        load: Load::DcBus { voltage_v, diode_drop_v },
-        ..scene.clone()
-    };
-    match (scene.load, &request.voltages[..]) {
-        (Load::Resistor { resistance_ohm }, []) => {
-            if resistance_ohm > 0.0 && resistance_ohm.is_finite() {
-                Ok(vec![scene.clone()])
-            } else {
-                refuse("load.resistance_ohm: must be above 0 and finite for a map of the power in it")
-            }
-        }
-        (Load::Resistor { .. }, _) => refuse("load.kind: is \"resistor\", must be a bridge with --voltage"),
-        (Load::DcBus { voltage_v, .. }, []) if voltage_v > 0.0 => Ok(vec![scene.clone()]),
-        (Load::DcBus { .. }, []) => refuse("load.voltage_v: must be above 0 for a map of the charge"),
-        (Load::RectifiedStore(_), []) => {
-            refuse("load.kind: is \"rectified-store\", needs --voltage for a map")
-        }
-        (Load::DcBus { diode_drop_v, .. }, voltages) => {
-            Ok(voltages.iter().map(|&voltage| bus(voltage, diode_drop_v)).collect())
-        }
-        (Load::RectifiedStore(store), voltages) => {
-            Ok(voltages.iter().map(|&voltage| bus(voltage, store.diode_drop_v)).collect())
-        }
-    }
-}
-
-fn of_slices(
-    scenes: &[Scene],
-    request: &Request,
-    options: &Options,
-    step: &(impl Fn(Step) + Sync),
-) -> Result<Map, Failure> {
+    let scenes = &scenes(scene, request)?[..];
     let axes = Axes::new(&scenes[0], request, options)?;
     let count = request.places * scenes.len();
     step(Step::More(scenes.len() * axes.frequencies.len() + 2 * count));
@@ -216,6 +177,36 @@ fn of_slices(
         .map(|Judged { place, .. }| (&scenes[place.slice], [place.amplitude, place.frequency_hz], None));
     let statements = Statements::of_orbits(&stated.collect::<Vec<_>>(), options)?;
     Ok(Map { image, axes, slices, checked, agreement, margin, broadband, periods, statements })
+}
+
+/// The scene of each slice: at a fixed voltage of the storage behind a bridge.
+fn scenes(scene: &Scene, request: &Request) -> Result<Vec<Scene>, Failure> {
+    let refuse = |text: &str| Err(Failure::of_file(scene, text));
+    let bus = |voltage_v: f64, diode_drop_v: f64| Scene {
+        load: Load::DcBus { voltage_v, diode_drop_v },
+        ..scene.clone()
+    };
+    match (scene.load, &request.voltages[..]) {
+        (Load::Resistor { resistance_ohm }, []) => {
+            if resistance_ohm > 0.0 && resistance_ohm.is_finite() {
+                Ok(vec![scene.clone()])
+            } else {
+                refuse("load.resistance_ohm: must be above 0 and finite for a map of the power in it")
+            }
+        }
+        (Load::Resistor { .. }, _) => refuse("load.kind: is \"resistor\", must be a bridge with --voltage"),
+        (Load::DcBus { voltage_v, .. }, []) if voltage_v > 0.0 => Ok(vec![scene.clone()]),
+        (Load::DcBus { .. }, []) => refuse("load.voltage_v: must be above 0 for a map of the charge"),
+        (Load::RectifiedStore(_), []) => {
+            refuse("load.kind: is \"rectified-store\", needs --voltage for a map")
+        }
+        (Load::DcBus { diode_drop_v, .. }, voltages) => {
+            Ok(voltages.iter().map(|&voltage| bus(voltage, diode_drop_v)).collect())
+        }
+        (Load::RectifiedStore(store), voltages) => {
+            Ok(voltages.iter().map(|&voltage| bus(voltage, store.diode_drop_v)).collect())
+        }
+    }
 }
 
 /// The columns of all slices, each with the simulated periods that it took.

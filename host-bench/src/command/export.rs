@@ -31,7 +31,6 @@ pub struct ExportArguments {
     library: Option<PathBuf>,
 }
 
-/// Writes the netlist or the FMU of the scene.
 pub(super) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let ExportArguments { scene, spice, deck, fmu, library } = arguments;
     let FileArguments { scene: file, overrides } = scene;

@@ -12,7 +12,6 @@ use crate::rows::Rows;
 use crate::scene_file::{TEMPLATES, template};
 use harvester_scene::keys;
 
-/// How to print the keys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 enum KeysFormat {
     /// Text for people.
@@ -36,7 +35,6 @@ pub struct KeysArguments {
     format: KeysFormat,
 }
 
-/// Prints the keys.
 pub(super) fn run(arguments: &KeysArguments) -> Result<(), Failure> {
     let scene = arguments.scene.as_deref();
     match arguments.format {
@@ -75,7 +73,6 @@ fn narrow(line: &str) -> String {
     }
 }
 
-/// Writes or prints a template.
 pub(super) fn new(arguments: &NewArguments) -> Result<(), Failure> {
     let text = template(&arguments.scene)
         .ok_or_else(|| Failure::Input(format!("{}: has no template", arguments.scene)))?;

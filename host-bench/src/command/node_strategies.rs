@@ -131,7 +131,6 @@ pub struct NodeYearsArguments {
     page: Option<PathBuf>,
 }
 
-/// Runs all nodes and prints their quarters.
 pub(super) fn run_years(arguments: &NodeYearsArguments) -> Result<(), Failure> {
     let outputs = Outputs::of_shipped(["node"]);
     outputs.check_picture("--page", &arguments.page)?;

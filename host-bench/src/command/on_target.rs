@@ -148,7 +148,6 @@ A response map is called once a second. Each estimate has the host's bits.";
     Ok(())
 }
 
-/// How to print a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 enum Format {
     /// Tables for people.
@@ -191,7 +190,6 @@ impl Output {
     }
 }
 
-/// Measures both and prints one table.
 fn beside_peer(bench: &Bench, output: &mut Output) -> Result<(), Error> {
     let scene = native::scene("contact-separation", &SMOOTH, 0.0)?;
     let case = |method, steps| Case::of_scene("smooth", &scene, method, steps);

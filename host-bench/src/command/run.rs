@@ -158,7 +158,6 @@ pub struct ClosedFormArguments {
     storage_voltage: StorageVoltage,
 }
 
-/// Prints the closed form of the scene.
 pub(super) fn run_closed_form(arguments: &ClosedFormArguments) -> Result<(), Failure> {
     let mut scene = scene_file::read(&arguments.scene.scene, &arguments.scene.overrides)?;
     check_overrides(&arguments.scene.overrides, &arguments.storage_voltage.unused(&UNUSED_BY_CLOSED_FORM))?;

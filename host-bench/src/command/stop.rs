@@ -158,7 +158,6 @@ fn without_stop(axes: &[Axis], values: &[f64]) -> Vec<Option<f64>> {
     axes.iter().zip(values).map(shared).collect()
 }
 
-/// The scene without its stop.
 fn unstopped(scene: &Scene) -> Result<Scene, Failure> {
     let mut scene = scene.clone();
     let Model::BumpStop(model) = &mut scene.model else {

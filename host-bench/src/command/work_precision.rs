@@ -70,7 +70,6 @@ const SHIPPED: [(&str, &str, bool); 9] = [
     ("bump-stop", "stop.rod_modes=3 stop.position_m=25e-3 run.duration_s=1.5 run.settle_s=0.5", false),
 ];
 
-/// Runs the comparison and prints it.
 pub(super) fn run(arguments: &WorkPrecisionArguments) -> Result<(), Failure> {
     check_overrides(&arguments.overrides, &[NODE])?;
     if let Some(names) = &arguments.peers {
@@ -145,7 +144,6 @@ pub struct RowArguments {
     duration_s: f64,
 }
 
-/// Makes one run.
 #[cfg(feature = "peers")]
 pub(super) fn run_row(arguments: &RowArguments) -> Result<(), Failure> {
     let RowArguments { scene, method, setting, duration_s } = arguments;

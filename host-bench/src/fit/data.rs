@@ -82,7 +82,6 @@ impl Data {
         matches!(self.rows, Rows::Trace { acceleration: None, .. })
     }
 
-    /// Number of its rows.
     pub(crate) fn count(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())
     }

@@ -47,13 +47,7 @@ pub(super) fn described(
         // Without a degree of freedom nothing is known of the scatter.
         Loss::Squares => reduced.unwrap_or(f64::INFINITY),
     };
-    let columns: Vec<DVector<f64>> = problem
-        .jacobian(&solved.at, &solved.evaluation, step)
-        .into_iter()
-        .map(|column| {
-            DVector::from_iterator(column.len(), column.iter().zip(sigma).map(|(slope, sigma)| slope / sigma))
-        })
-        .collect();
+    let columns = weighted(problem, solved, sigma, step);
     let mut uncertainty = Uncertainty::of(&columns, &is_free, variance);
     // A combination without influence may have drifted to a bound, which would hide it.
     let all = Uncertainty::of(&columns, &vec![true; columns.len()], variance);
@@ -70,6 +64,19 @@ pub(super) fn described(
     found.weighting = weights.weightings().to_vec();
     found.warnings = warnings(problem, request, weights, solved, &found);
     found
+}
+
+/// The slopes of the values over each parameter at a solution, in standard deviations.
+pub(super) fn weighted(
+    problem: &Problem<'_>,
+    solved: &Solved,
+    sigma: &[f64],
+    step: f64,
+) -> Vec<DVector<f64>> {
+    let over = |column: Vec<f64>| {
+        DVector::from_iterator(column.len(), column.iter().zip(sigma).map(|(slope, sigma)| slope / sigma))
+    };
+    problem.jacobian(&solved.at, &solved.evaluation, step).into_iter().map(over).collect()
 }
 
 /// The variance of a weighted value under Huber's loss (P. J. Huber, *Robust Statistics*, 1981, section 7.6).

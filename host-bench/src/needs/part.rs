@@ -14,7 +14,6 @@ pub(crate) enum Part {
     RodModes(usize),
     /// The rod: its static compliance stays.
     Rod,
-    /// The stop.
     Stop,
     /// The compliance of the modes that are left out: the contact becomes a constraint.
     ResidualCompliance,

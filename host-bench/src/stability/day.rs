@@ -10,7 +10,6 @@ use crate::rows::{Column, Digits};
 use crate::run::run_scene;
 use crate::scene_file::{self, Override, RunSpan, Scene};
 
-/// Seconds of a day.
 pub(crate) const DAY_S: f64 = 86_400.0;
 /// The relative error of the mean power that the runs in single precision claim.
 const CLAIMED: f64 = 1e-3;

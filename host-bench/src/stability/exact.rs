@@ -174,7 +174,6 @@ pub(super) enum Comparison {
     /// They agree within their sampling error, but differ by more than a tenth of the mean, or the sampling error is more
     /// than a fifth of the mean.
     Undecided,
-    /// They differ.
     Differ,
 }
 

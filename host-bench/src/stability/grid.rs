@@ -81,7 +81,7 @@ const STORES: [&str; 10] = [
 ];
 
 /// Force laws of the triboelectric grids.
-const FORCE_LAWS: [&str; 2] = ["transferred-charge", "gap-field"];
+pub(super) const FORCE_LAWS: [&str; 2] = ["transferred-charge", "gap-field"];
 /// The law without a force: the motion does not depend on the circuit, so that few cases show it.
 const NO_FORCE: &str = "none";
 

@@ -4,6 +4,7 @@ mod feature;
 
 pub use self::feature::{Source, draw_varied};
 use super::Case;
+use super::grid::FORCE_LAWS;
 use crate::method::Precision;
 use crate::scene_file::key::Value;
 use crate::scene_file::{number_at, rows_of, shipped};
@@ -164,13 +165,8 @@ impl Drawing {
     /// What both triboelectric scenes have.
     fn triboelectric(&mut self) {
         let damping = self.source.logarithmic(1e-4, 10.0);
-        let law = self.source.one_of([
-            "transferred-charge",
-            "gap-field",
-            "transferred-charge",
-            "gap-field",
-            "none",
-        ]);
+        let [charge, field] = FORCE_LAWS;
+        let law = self.source.one_of([charge, field, charge, field, "none"]);
         let charge = self.source.one_of(["frozen", "relaxing"]);
         self.set_number("parameters.damping_ratio", damping);
         self.set("parameters.force_law", law);

@@ -210,7 +210,6 @@ pub(crate) fn build() -> &'static str {
     })
 }
 
-/// The 64-bit hash FNV-1a.
 pub(crate) fn fnv_1a(content: &[u8]) -> u64 {
     content.iter().fold(OFFSET, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(PRIME))
 }

@@ -13,7 +13,6 @@ use crate::on_target::Error;
 use crate::on_target::node::{self, Bare, Call, Followed, calls};
 use crate::on_target::qemu::Core;
 
-/// Runs the node of each core.
 pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Result<(), Error> {
     let measured = on_each(cores, |core| {
         announce(core);

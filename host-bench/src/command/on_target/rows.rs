@@ -82,7 +82,6 @@ impl Case {
 pub(super) struct Row {
     pub(super) case: Case,
     pub(super) core: Core,
-    /// Name of the firmware's variant.
     pub(super) variant: &'static str,
     /// Flash in bytes that all workloads of the firmware add to an empty one.
     pub(super) flash: u64,

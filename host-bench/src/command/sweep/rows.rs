@@ -39,7 +39,6 @@ impl Rows {
         Ok(Self { file, known })
     }
 
-    /// How many points are done.
     pub(super) fn count(&self) -> usize {
         self.known.len()
     }
