@@ -18,7 +18,6 @@ use crate::bounds::{ParameterError, bounded};
 use crate::scalar::{CompensatedSum, Scalar, add_increment};
 use crate::snapshot::{Fingerprint, snapshot_fields};
 
-/// Seconds in a day.
 pub(crate) const DAY_SECONDS: u32 = 86_400;
 
 /// The number of mean relative distances in [`IncomeState::certain_part`]. By the test `energy_planner` no node was locked
@@ -226,7 +225,6 @@ fn moved<S: Scalar>([high, low]: [S; 2], increment: S) -> [S; 2] {
     [high, low]
 }
 
-/// The slot of a second of the day.
 pub(super) fn slot_at<const SLOTS: usize>(second_of_day: u32) -> usize {
     (second_of_day * const { SLOTS as u32 } / DAY_SECONDS) as usize
 }

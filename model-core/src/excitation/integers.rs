@@ -69,7 +69,6 @@ pub(super) fn power_of_two(x: u64) -> u64 {
     SERIES.iter().rev().fold(0, |sum, term| upper_product(sum, argument).wrapping_add(*term))
 }
 
-/// `number · ln 2`.
 pub(super) fn times_ln_2(number: u64) -> u64 {
     upper_product(number, LN_2)
 }

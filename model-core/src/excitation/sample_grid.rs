@@ -23,6 +23,40 @@ pub(super) fn line_between_samples<S: Scalar>(
     })
 }
 
+/// The items of [`Excitation`] between samples of a `grid`, by `bracket`: the samples around an instant and the place between.
+macro_rules! between_samples {
+    () => {
+        #[inline]
+        fn acceleration(&self, at: Instant) -> S {
+            let (left, right, theta) = self.bracket(at);
+            left + theta * (right - left)
+        }
+
+        fn jerk(&self, at: Instant) -> S {
+            let (left, right, _) = self.bracket(at);
+            (right - left) * self.grid.samples_per_second
+        }
+
+        fn smooth_ticks(&self, at: Instant) -> u32 {
+            self.grid.ticks_to_next(at)
+        }
+
+        #[inline]
+        fn response(&self, at: Instant, _ticks: u32, kernel: &Kernel<S>) -> Response<S> {
+            let (left, right, theta) = self.bracket(at);
+            let rise = right - left;
+            kernel.to_line(left + theta * rise, rise * self.grid.samples_per_second)
+        }
+
+        #[inline]
+        fn line(&self, at: Instant, ticks: u32, step: S, start: S) -> Line<S> {
+            let around_end = self.bracket(at.after(ticks));
+            line_between_samples(self, (at, ticks), step * self.grid.samples_per_second, start, around_end)
+        }
+    };
+}
+pub(super) use between_samples;
+
 /// The line over a step from the lines over its pieces, which end at the kinks of the acceleration; `line_of` gives that
 /// of a piece from its start, its ticks and the acceleration at its start.
 ///

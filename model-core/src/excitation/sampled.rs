@@ -1,6 +1,6 @@
 //! A recorded acceleration: samples at a fixed rate, linearly interpolated.
 
-use super::sample_grid::{SampleGrid, line_between_samples};
+use super::sample_grid::{SampleGrid, between_samples, line_between_samples};
 use super::{Excitation, ExcitationError, Line};
 use crate::clock::Instant;
 use crate::oscillator::{Kernel, Response};
@@ -67,31 +67,7 @@ impl<'a, S: Scalar> Sampled<'a, S> {
 }
 
 impl<S: Scalar> Excitation<S> for Sampled<'_, S> {
-    fn acceleration(&self, at: Instant) -> S {
-        let (left, right, theta) = self.bracket(at);
-        left + theta * (right - left)
-    }
-
-    fn jerk(&self, at: Instant) -> S {
-        let (left, right, _) = self.bracket(at);
-        (right - left) * self.grid.samples_per_second
-    }
-
-    fn smooth_ticks(&self, at: Instant) -> u32 {
-        self.grid.ticks_to_next(at)
-    }
-
-    fn response(&self, at: Instant, _ticks: u32, kernel: &Kernel<S>) -> Response<S> {
-        let (left, right, theta) = self.bracket(at);
-        let rise = right - left;
-        kernel.to_line(left + theta * rise, rise * self.grid.samples_per_second)
-    }
-
-    #[inline]
-    fn line(&self, at: Instant, ticks: u32, step: S, start: S) -> Line<S> {
-        let around_end = self.bracket(at.after(ticks));
-        line_between_samples(self, (at, ticks), step * self.grid.samples_per_second, start, around_end)
-    }
+    between_samples!();
 }
 
 #[cfg(test)]

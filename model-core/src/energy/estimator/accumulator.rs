@@ -126,7 +126,6 @@ impl ElapsedTime {
         }
     }
 
-    /// Adds `count` intervals of `interval` ticks.
     pub(super) fn add_intervals(&mut self, count: u32, interval: u64) {
         let product = u128::from(count) * u128::from(interval);
         self.ticks = self.ticks.wrapping_add(product as u64 % TICKS_PER_SECOND);

@@ -63,7 +63,6 @@ pub const ROWS: usize = 24;
 pub const COLUMNS: usize = (1 << COLUMN_BITS) + 1;
 /// Columns less one as a power of two.
 pub(super) const COLUMN_BITS: u32 = 5;
-/// Words of a column.
 pub(super) const COLUMN_WORDS: usize = 2 + ROWS;
 /// The falling boundary of a map without an upper branch: above all amplitudes.
 pub const NOWHERE: u16 = u16::MAX;

@@ -290,7 +290,6 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
         Ok(false)
     }
 
-    /// The short step.
     #[inline]
     pub(super) fn short(&self) -> &StepSetOf<S, P, B, R> {
         let [.., short] = &self.sets;

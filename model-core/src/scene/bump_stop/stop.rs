@@ -13,10 +13,8 @@ use crate::scalar::Scalar;
     note = "write `.stop(Stop {{ .., contact: ResidualFlexibility }})`, or leave `.stop(..)` out"
 )]
 pub(crate) trait StopChoice<S: Scalar>: Copy + Debug + PartialEq {
-    /// The contact law.
     type Contact: ContactLaw<S>;
 
-    /// The contact law.
     fn contact(&self) -> Self::Contact;
 
     /// The stop; `None` without one.

@@ -25,7 +25,6 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
         acceleration + attraction - self.stiffness_per_mass * self.initial_gap
     }
 
-    /// Stored energy at a gap with its circuit and a velocity.
     #[inline]
     fn stored_energy(&self, circuit: &Circuit<S>, gap: S, velocity: S) -> StoredEnergy<S> {
         let half = S::from_f64(0.5);

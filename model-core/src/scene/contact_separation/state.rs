@@ -6,7 +6,7 @@ use crate::bounds::{ParameterError, bounded};
 use crate::clock::Instant;
 use crate::excitation::Excitation;
 use crate::hybrid::HybridState;
-use crate::integrate::StepControl;
+use crate::integrate::{Point, StepControl};
 use crate::part::load::Load;
 use crate::part::restitution::Restitution;
 use crate::scalar::Scalar;
@@ -77,12 +77,9 @@ impl<S: Scalar, P: Parts<S>> ContactSeparation<S, P> {
             // The voltage is exactly zero. Computed as a difference it would be a rounding error, which a small
             // resistance turns into a current.
             state.point.derivative[CHARGE] = S::ZERO;
-            state.point = crate::integrate::Point::with_derivative(
-                &crate::hybrid::Automaton::<S, STATES, POWERS>::flow(self, mode),
-                state.point.state,
-                state.point.derivative,
-                acceleration,
-            );
+            let Point { state: at, derivative, .. } = state.point;
+            let flow = crate::hybrid::Automaton::<S, STATES, POWERS>::flow(self, mode);
+            state.point = Point::with_derivative(&flow, at, derivative, acceleration);
         }
         Ok(if at_contact && !sticks { state.disarmed() } else { state })
     }
