@@ -211,7 +211,6 @@ impl Map<'_> {
         Some(Linearisation { jacobian, unknowns })
     }
 
-    /// `(one − other) / scale`.
     fn scaled(&self, one: &[f64], other: &[f64]) -> DVector<f64> {
         let entries = one.iter().zip(other).zip(&self.scale);
         DVector::from_iterator(one.len(), entries.map(|((one, other), scale)| (one - other) / scale))

@@ -126,7 +126,7 @@ pub(super) fn run(
         events: 0,
         steps: 0,
     };
-    let mut schedule = Schedule::in_pieces(scene, STRETCH as f64 * step, step);
+    let mut schedule = Schedule::new(scene, true, STRETCH as f64 * step, step);
     progress::begin();
     while let Some(stretch) = schedule.next() {
         progress::report(stretch.start / scene.run.duration_s, [march.steps, march.events]);
@@ -206,23 +206,16 @@ impl March<'_> {
             Change::Blocks => self.block(),
             Change::Draw { connected } => self.circuit.connected = connected,
         }
-        self.block_backflow();
+        // After an impact or a change of the draw the current would flow back.
+        let regime = || self.regimes.get(self.in_contact, self.circuit);
+        if self.circuit.sign != 0 && value(&regime().into_storage, &self.vector) < 0.0 {
+            self.block();
+        }
     }
 
     fn block(&mut self) {
         let sign = std::mem::take(&mut self.circuit.sign);
         self.latches.bridge = Some(Change::Conducts { sign });
-    }
-
-    /// Blocks a bridge through which the current would flow back, after an impact or a change of the draw.
-    fn block_backflow(&mut self) {
-        if self.circuit.sign == 0 {
-            return;
-        }
-        let regime = self.regimes.get(self.in_contact, self.circuit);
-        if value(&regime.into_storage, &self.vector) < 0.0 {
-            self.block();
-        }
     }
 
     /// The contact closes or opens at `time` with this speed of approach, or there is an impact.

@@ -76,7 +76,6 @@ impl Ledger {
         }
     }
 
-    /// Adds the integrals over a stretch.
     pub(super) fn add(&mut self, stretch: &Integrals) {
         add(&mut self.total, 1.0, stretch);
         if self.in_window {

@@ -10,7 +10,7 @@ const STORM: u32 = 10_000;
 #[derive(Debug)]
 pub(super) struct Schedule<'a> {
     base: Base<'a>,
-    /// Whether a stretch has a few sines and a polynomial only.
+    /// Whether the base acceleration of a stretch is a few sines and a polynomial.
     in_pieces: bool,
     run: RunSpan,
     /// Longest stretch in s.
@@ -40,15 +40,9 @@ pub(super) struct Stretch {
 
 impl<'a> Schedule<'a> {
     /// The run of a scene, in stretches of at most `longest` seconds.
-    pub(super) fn new(scene: &'a Scene, longest: f64, progress: f64) -> Self {
+    pub(super) fn new(scene: &'a Scene, in_pieces: bool, longest: f64, progress: f64) -> Self {
         let base = Base(&scene.excitation);
-        let in_pieces = false;
         Self { base, in_pieces, run: scene.run, longest, progress, time: 0.0, storm: 0, storm_began: 0.0 }
-    }
-
-    /// The same, with a base acceleration of a few sines and a polynomial in each stretch.
-    pub(super) fn in_pieces(scene: &'a Scene, longest: f64, progress: f64) -> Self {
-        Self { in_pieces: true, ..Self::new(scene, longest, progress) }
     }
 
     /// The next stretch; `None` at the end of the run.

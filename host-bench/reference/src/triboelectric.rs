@@ -49,7 +49,7 @@ pub(super) fn run<H: Harvester>(
 ) -> Result<Outcome, StepFailure> {
     let began = ThreadTime::now();
     let scales = harvester.scales(&start);
-    let mut schedule = Schedule::new(scene, f64::INFINITY, PROGRESS * scales.time);
+    let mut schedule = Schedule::new(scene, false, f64::INFINITY, PROGRESS * scales.time);
     let mut march = March {
         harvester: &harvester,
         scales,

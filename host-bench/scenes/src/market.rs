@@ -56,7 +56,6 @@ macro_rules! parts {
                     Self::all().iter().find(|part| part.word == word).copied()
                 }
 
-                /// The words of all.
                 pub fn words() -> Vec<&'static str> {
                     Self::all().iter().map(|part| part.word).collect()
                 }

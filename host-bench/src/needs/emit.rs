@@ -13,7 +13,7 @@ use super::part::Part;
 use crate::method::{Failure, Method, Precision};
 use crate::name::Name;
 use crate::scene_file::{
-    BumpStop, ContactSeparation, Coupling, Load, Model, Scene, Sliding, StickCharge, Transducer,
+    Bimorph, BumpStop, ContactSeparation, Coupling, Load, Model, Scene, Sliding, StickCharge,
     TriboelectricStart,
 };
 use model_core::clock::Instant;
@@ -350,11 +350,11 @@ fn circuit(of: Load) -> Component {
     Component { of_type: format!("Resistive<{of_type}>"), value: format!("Resistive({value})") }
 }
 
-fn transducer(of: Transducer) -> Component {
+fn transducer(of: Option<Bimorph>) -> Component {
     match of {
-        Transducer::Monomorph => unit("Monomorph"),
-        Transducer::BimorphSeries => Component { value: "Bimorph::Series".to_owned(), ..unit("Bimorph") },
-        Transducer::BimorphParallel => Component { value: "Bimorph::Parallel".to_owned(), ..unit("Bimorph") },
+        None => unit("Monomorph"),
+        Some(Bimorph::Series) => Component { value: "Bimorph::Series".to_owned(), ..unit("Bimorph") },
+        Some(Bimorph::Parallel) => Component { value: "Bimorph::Parallel".to_owned(), ..unit("Bimorph") },
     }
 }
 

@@ -4,7 +4,7 @@
 use cross_crate_tests::{assert_close, shipped, sliding};
 use host_bench::embedded::bump_stop_parameters;
 use host_bench::scene_file::modes::{BumpStopModes, Cantilever};
-use host_bench::scene_file::{Model, StopParameters, TipMassParameters, Transducer};
+use host_bench::scene_file::{Bimorph, Model, StopParameters, TipMassParameters};
 use model_core::part::beam;
 
 /// Bodies at the tip, none among them, in masses and lengths of the beam; layers; places of the stop.
@@ -25,7 +25,7 @@ fn the_modes_of_beam_and_rod_are_those_of_the_core() {
             let (mut from, mut model) = (shipped.parameters, shipped.clone());
             let (length, beam_mass) = (from.beam_length_m, 3.9125e-3);
             from.beam_modes = beam_modes;
-            from.transducer = [Transducer::Monomorph, Transducer::BimorphSeries][index % 2];
+            from.transducer = [None, Some(Bimorph::Series)][index % 2];
             from.tip_mass = body.map(|[mass, gyration, offset]| TipMassParameters {
                 mass_kg: mass * beam_mass,
                 rotary_inertia_kg_m2: mass * beam_mass * (gyration * length).powi(2),

@@ -9,12 +9,12 @@ use model_core::clock::{Instant, LONGEST_STEP_S};
 use model_core::energy::Residual;
 use model_core::observer::{AcceptedStep, Outputs, PowerIndex};
 use model_core::part::load::AnyLoad;
-use model_core::part::monomorph::{Bimorph, Layer};
+use model_core::part::monomorph::Layer;
 use model_core::scalar::Scalar;
 use model_core::scene::Harvester as _;
 use model_core::scene::bump_stop::{
-    AnyChoices, AnyContact, AnyCoupling, BumpStop as Harvester, Choices, Circuit, ClampMeter, Parameters,
-    Parts, Resistive, Restitution, Start, StateOf, Stepper, Stop, TipMass,
+    AnyChoices, AnyContact, BumpStop as Harvester, Choices, Circuit, ClampMeter, Parameters, Parts,
+    Resistive, Restitution, Start, StateOf, Stepper, Stop, TipMass,
 };
 
 use super::excitation::{HostExcitation, Setting, bridge};
@@ -23,7 +23,7 @@ use super::report::{Report, RunSummary, dense, dense_voltage};
 use super::run::{Run, refuse_parameter, refuse_start};
 use harvester_scene::method::{Failure, Method, Options};
 use harvester_scene::outcome::{BUMP_STOP_COLUMNS, BumpStopOutcome, Outcome, Particular, with_store};
-use harvester_scene::scene_file::{BumpStop, Contact, Coupling, Load, Scene, Transducer};
+use harvester_scene::scene_file::{BumpStop, Contact, Coupling, Load, Scene};
 pub use observed::{
     ContactInterval, DeflectedShape, ShapePoint, chattering_phases, contact_intervals, deflected_shapes,
 };
@@ -98,23 +98,12 @@ fn parameters_with<S: Scalar, L>(model: &BumpStop, load: L) -> Parameters<S, Any
         choices: Choices {
             load,
             stop,
-            coupling: match from.coupling {
-                Coupling::TwoWay => AnyCoupling::TwoWay,
-                Coupling::OneWay => AnyCoupling::OneWay,
-            },
+            coupling: from.coupling,
             tip_mass: from.tip_mass.map(|body| {
                 model_core::tip_mass_numbers!(harvester_scene::of_rows! { core body TipMass {} })
             }),
-            transducer: bimorph(from.transducer),
+            transducer: from.transducer,
         },
-    }
-}
-
-fn bimorph(of: Transducer) -> Option<Bimorph> {
-    match of {
-        Transducer::Monomorph => None,
-        Transducer::BimorphSeries => Some(Bimorph::Series),
-        Transducer::BimorphParallel => Some(Bimorph::Parallel),
     }
 }
 
@@ -302,7 +291,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize>
     /// At the ends of steps, the strain at the extremes of the curvature within them.
     fn gauge<'a>(&'a self, setting: Setting<'a, S>) -> Gauge<'a, S> {
         let from = &self.parameters;
-        let [_, in_series] = from.transducer.layers();
+        let [_, in_series] = from.layers();
         let [strain, piezo_strain, piezo_field, slope, speed] = limits(setting.scene);
         let mut clamp = Report::<S, Stepper<S, P, B, R, ALL>>::clamp(self, setting.excitation);
         let core = parameters::<f64>(self, setting.scene.load);

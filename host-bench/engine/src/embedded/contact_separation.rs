@@ -14,7 +14,7 @@ use model_core::part::restitution::{
 };
 use model_core::scalar::{Mathematics, Scalar};
 use model_core::scene::contact_separation::{
-    self, AnyChoices, AnyForceLaw, Choices, ContactSeparation as Harvester, Parameters, Start,
+    AnyChoices, Choices, ContactSeparation as Harvester, Parameters, Start,
 };
 use model_core::snapshot::Fingerprint;
 
@@ -48,9 +48,9 @@ fn parameters_with<S: Scalar, L>(
         choices: Choices {
             load: AnyLoad { resistance: number(load.resistance_ohm()) },
             restitution,
-            force_law: force_law(from.force_law),
+            force_law: from.force_law,
             parasitic: ParasiticCapacitance { capacitance: number(from.parasitic_capacitance_f) },
-            sticking: sticking(from.stick_charge),
+            sticking: from.stick_charge,
         },
     } })
 }
@@ -109,24 +109,7 @@ impl<S: Scalar> Law<S> for HostRestitution<S> {
 }
 
 /// The choices of a scene file with a law of restitution of the core.
-type HostChoices<S, L> =
-    Choices<AnyLoad<S>, L, AnyForceLaw, ParasiticCapacitance<S>, contact_separation::StickCharge>;
-
-pub(super) fn force_law(law: ForceLaw) -> AnyForceLaw {
-    match law {
-        ForceLaw::TransferredCharge => AnyForceLaw::TransferredCharge,
-        ForceLaw::GapField => AnyForceLaw::GapField,
-        ForceLaw::None => AnyForceLaw::None,
-    }
-}
-
-/// The core's name of what a charge does in stick.
-pub(super) fn sticking(charge: StickCharge) -> contact_separation::StickCharge {
-    match charge {
-        StickCharge::Frozen => contact_separation::StickCharge::Frozen,
-        StickCharge::Relaxing => contact_separation::StickCharge::Relaxing,
-    }
-}
+type HostChoices<S, L> = Choices<AnyLoad<S>, L, ForceLaw, ParasiticCapacitance<S>, StickCharge>;
 
 impl Triboelectric for ContactSeparation {
     type Core<S: Scalar> = Harvester<S, HostChoices<S, HostRestitution<S>>>;

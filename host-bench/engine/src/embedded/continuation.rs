@@ -15,11 +15,9 @@ use model_core::snapshot::Fingerprint;
 
 use super::bump_stop::{begun, by_modes, parameters, resistance};
 use super::excitation::{HostExcitation, Setting, bridge, with_setting};
-use super::run::{BUDGET, refuse_parameter, refuse_start};
+use super::run::{refuse_parameter, refuse_start};
 use super::triboelectric::{STATES, Triboelectric, behind_bridge, prepared};
-use crate::steady_state::{
-    Coordinates, ForcedSystem, MOST_ATTEMPTS, Spent, Total, Verdict, Watching, given_up,
-};
+use crate::steady_state::{Coordinates, ForcedSystem, MOST_ATTEMPTS, Spent, Verdict, Watching};
 use harvester_scene::method::{Failure, Method, Options, Precision, refuse_first};
 use harvester_scene::scene_file::{BumpStop, Excitation as SceneExcitation, Load, Scene, Tone};
 
@@ -108,8 +106,14 @@ fn called(scene: &Scene, frequency_hz: f64, options: &Options, call: With<'_>) -
     scene.excitation = SceneExcitation::Sine(Tone { amplitude_m_per_s2: 0.0, frequency_hz, phase_rad: 0.0 });
     with_setting::<f64, Polynomial, _>(&scene, options, |setting| {
         by_harvester!(&scene,
-            triboelectric(model) => triboelectric(setting, model, frequency_hz, call),
-            bump_stop(model) => beam(setting, model, frequency_hz, call))
+        triboelectric(model) => triboelectric(setting, model, frequency_hz, call),
+        bump_stop(model) => match bridge(setting.scene.load) {
+            Some(bridge) => by_modes!(model, with_modes::<_>(setting, model, frequency_hz, call, bridge)),
+            None => {
+                let load = resistance(setting.scene.load);
+                by_modes!(model, with_modes::<_>(setting, model, frequency_hz, call, load))
+            }
+        })
     })
 }
 
@@ -118,32 +122,22 @@ fn called(scene: &Scene, frequency_hz: f64, options: &Options, call: With<'_>) -
 pub fn fingerprint(scene: &Scene) -> Result<u32, Failure> {
     let mut fingerprint = Fingerprint::new();
     by_harvester!(scene,
-        triboelectric(model) => identify(scene, model, &mut fingerprint)?,
-        bump_stop(model) => identify_beam(scene, model, &mut fingerprint)?);
+    triboelectric(model) => {
+        let core = model.core::<f32, Polynomial>(scene)?;
+        CoreScene::<f32, STATES, 0>::identify(&core, &mut fingerprint);
+    },
+    // With the modes of its scene, behind a bridge with open terminals.
+    bump_stop(model) => {
+        let [beam, rod] = model.modes();
+        let core = parameters::<f32>(model, scene.load)
+            .build_first::<20, 20>(beam, rod)
+            .map_err(|error| refuse_parameter(scene, &error))?;
+        core.identify_first([beam, rod], &mut fingerprint);
+    });
     if let Some(bridge) = bridge::<f32>(scene.load) {
         fingerprint.numbers(&[bridge.diode_drop]);
     }
     Ok(fingerprint.value())
-}
-
-fn identify<T: Triboelectric>(
-    scene: &Scene,
-    model: &T,
-    fingerprint: &mut Fingerprint,
-) -> Result<(), Failure> {
-    let core = model.core::<f32, Polynomial>(scene)?;
-    CoreScene::<f32, STATES, 0>::identify(&core, fingerprint);
-    Ok(())
-}
-
-/// Includes the harvester in `f32` with the modes of its scene, behind a bridge with open terminals.
-fn identify_beam(scene: &Scene, model: &BumpStop, fingerprint: &mut Fingerprint) -> Result<(), Failure> {
-    let [beam, rod] = model.modes();
-    let core = parameters::<f32>(model, scene.load)
-        .build_first::<20, 20>(beam, rod)
-        .map_err(|error| refuse_parameter(scene, &error))?;
-    core.identify_first([beam, rod], fingerprint);
-    Ok(())
 }
 
 /// A triboelectric scene, with a resistor or behind a bridge.
@@ -168,22 +162,6 @@ fn triboelectric<T: Triboelectric>(
     // The voltage of a bus does not change.
     let typical = [&model.typical(prepared.core.harvester())[..], &[1.0]].concat();
     with(Sweep::new(setting, &simulation, start, frequency_hz, is_slider).shooting(typical))
-}
-
-/// A bump-stop scene, with a resistor or behind a bridge.
-fn beam(
-    setting: Setting<'_, f64>,
-    model: &BumpStop,
-    frequency_hz: f64,
-    with: With<'_>,
-) -> Result<(), Failure> {
-    match bridge(setting.scene.load) {
-        Some(bridge) => by_modes!(model, with_modes::<_>(setting, model, frequency_hz, with, bridge)),
-        None => {
-            let load = resistance(setting.scene.load);
-            by_modes!(model, with_modes::<_>(setting, model, frequency_hz, with, load))
-        }
-    }
 }
 
 fn with_modes<L: Circuit<f64>, const B: usize, const R: usize>(
@@ -264,17 +242,13 @@ impl<'a, H: Harvester<f64>> Sweep<'a, H> {
         until_periods: f64,
         observer: &mut O,
     ) -> Result<(), Failure> {
-        let until =
-            Instant::from_seconds(until_periods / self.frequency_hz).unwrap_or(Instant::from_ticks(u64::MAX));
-        let mut total = Total::default();
-        while self.harvester.clock(&self.state) < until {
-            if total.attempts() > MOST_ATTEMPTS {
-                return Err(given_up(MOST_ATTEMPTS, self.harvester.clock(&self.state)));
-            }
-            let advance = self.harvester.advance(&mut self.state, &excitation, until, BUDGET, observer);
-            total.add(&advance.map_err(|error| self.failure(Failure::Step(error.to_string())))?.work);
-        }
-        Ok(())
+        let Self { harvester, frequency_hz, .. } = *self;
+        let system =
+            ForcedSystem { harvester, excitation: &excitation, frequency_hz, most_attempts: MOST_ATTEMPTS };
+        let mut spent = Spent::default();
+        system.begin(&mut spent);
+        let advanced = system.advance(&mut self.state, system.instant(until_periods), observer, &mut spent);
+        advanced.map_err(|failure| self.failure(failure))
     }
 
     fn failure(&self, failure: Failure) -> Failure {

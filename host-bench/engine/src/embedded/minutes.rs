@@ -28,7 +28,6 @@ pub struct Deviation {
     pub charge: f64,
     pub damping: f64,
     pub resistance: f64,
-    /// Of the resonance.
     pub resonance: f64,
 }
 

@@ -116,10 +116,8 @@ pub(super) fn dense_voltage<S: Scalar>(step: &AcceptedStep<'_, S>, fraction: S) 
     Cubic::with_mean(step.start.voltage, step.end.voltage, step.mean_voltage).value(fraction)
 }
 
-// The energy delivered in equal parts of the measuring window, and the means over whole cycles of the switch of a draw, to
-// compare two runs.
-
-/// Energy in J delivered in each part of a window.
+/// What compares two runs: the energy delivered in equal parts of the measuring window, and means over whole cycles of the
+/// switch of a draw.
 pub(super) struct Blocks {
     from: u64,
     /// Ticks of a part.

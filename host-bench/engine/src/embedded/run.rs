@@ -28,7 +28,6 @@ pub(super) fn refuse_start(scene: &Scene, error: &dyn Display) -> Failure {
     Failure::of_file(scene, format!("initial.{error}"))
 }
 
-/// The instants from which a run is measured and at which it ends.
 pub(super) fn ends_of(scene: &Scene, span: &RunSpan) -> Result<[Instant; 2], Failure> {
     Ok([instant(scene, span.settle_s)?, instant(scene, span.duration_s)?])
 }

@@ -10,7 +10,6 @@ use model_core::scene::sliding::{
     AnyChoices, AnyLateralForce, Choices, Parameters, PatchFriction, Sliding as Harvester, Start,
 };
 
-use super::contact_separation::{force_law, sticking};
 use super::limits::{Gauge, UNUSED, limits};
 use super::report::{RunSummary, dense};
 use super::run::refuse_parameter;
@@ -32,8 +31,8 @@ pub fn parameters<S: Scalar>(model: &Sliding, load: Load) -> Parameters<S, AnyCh
                 kinetic_active: number(from.kinetic_friction_active),
                 kinetic_inert: number(from.kinetic_friction_inert),
             },
-            force_law: force_law(from.force_law),
-            sticking: sticking(from.stick_charge),
+            force_law: from.force_law,
+            sticking: from.stick_charge,
             lateral_force: if from.lateral_force { AnyLateralForce::Field } else { AnyLateralForce::None },
         },
     } })

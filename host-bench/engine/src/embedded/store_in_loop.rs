@@ -29,7 +29,6 @@ use harvester_scene::scene_file::{HOURS, Scene, Storage};
 pub struct Stretch {
     /// What entered the store.
     pub delivered_j: f64,
-    /// What leaked from it.
     pub leaked_j: f64,
     /// What was drawn from it.
     pub drawn_j: f64,

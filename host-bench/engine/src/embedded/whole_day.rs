@@ -104,7 +104,6 @@ fn day<S: Scalar, T: Triboelectric>(
 pub struct Daily<S, E> {
     /// The excitation at a factor of one.
     pub base: E,
-    /// The factor of each hour.
     pub factors: [S; HOURS],
 }
 

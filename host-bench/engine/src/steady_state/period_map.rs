@@ -22,7 +22,6 @@ pub trait Coordinates: Harvester<f64> {
     /// [`Outputs::state`](model_core::observer::Outputs::state) has the coordinates at every step.
     const PARTS: u32;
 
-    /// The coordinates of a state, in the units of the state.
     fn coordinates(&self, state: &Self::State) -> Vec<f64>;
 
     /// The state with the clock and the mode of `pattern` at other coordinates, under the base acceleration at its clock in
@@ -81,19 +80,19 @@ pub struct Spent {
     limit: Option<u64>,
 }
 
-impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
+impl<H: Harvester<f64>, E: Excitation<f64>> ForcedSystem<'_, H, E> {
     /// The instant `periods` periods after the start, at most the last instant of the clock.
-    pub(super) fn instant(&self, periods: f64) -> Instant {
+    pub(crate) fn instant(&self, periods: f64) -> Instant {
         Instant::from_seconds(periods / self.frequency_hz).unwrap_or(Instant::from_ticks(u64::MAX))
     }
 
     /// Begins the search for an orbit: from here on it may take its most attempted steps.
-    pub(super) fn begin(&self, spent: &mut Spent) {
+    pub(crate) fn begin(&self, spent: &mut Spent) {
         spent.limit = Some(spent.work.attempts().saturating_add(self.most_attempts));
     }
 
     /// Advances `state` to `until`, within the attempts that the search may take.
-    pub(super) fn advance<O: Observer<f64>>(
+    pub(crate) fn advance<O: Observer<f64>>(
         &self,
         state: &mut H::State,
         until: Instant,
@@ -114,7 +113,9 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
         spent.periods += Instant::from_ticks(ticks).seconds::<f64>() * self.frequency_hz;
         Ok(())
     }
+}
 
+impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
     /// Advances `state` to `until` and watches it on its way.
     pub(super) fn watched(
         &self,

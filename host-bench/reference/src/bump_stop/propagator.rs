@@ -37,7 +37,6 @@ pub(super) struct Propagator {
 struct Level {
     /// `exp(A h) − 1`.
     increment: DMatrix<f64>,
-    /// One for each form.
     gramians: [DMatrix<f64>; FORMS],
 }
 

@@ -124,29 +124,21 @@ impl Physics {
 
     /// The voltage in V that sets the charges: the load voltage, except where that is lost in rounding.
     pub(super) fn electrostatic_voltage(&self, motion: &Motion) -> f64 {
-        match self.load.kind {
-            CircuitKind::Dynamic => motion.voltage,
-            CircuitKind::QuasiStatic => 0.0,
-            CircuitKind::Open => {
-                let [top_charge, total_charge] = self.open_charges;
-                (top_charge * motion.position - total_charge * self.dielectric)
-                    / self.total_capacitance_length(motion.position)
-            }
-        }
+        self.load.kind.voltage(motion.voltage, || {
+            let [top_charge, total_charge] = self.open_charges;
+            (top_charge * motion.position - total_charge * self.dielectric)
+                / self.total_capacitance_length(motion.position)
+        })
     }
 
     /// Derivative of [`Self::electrostatic_voltage`] in the direction of `change`.
     pub(super) fn electrostatic_voltage_along(&self, motion: &Motion, change: &Motion) -> f64 {
-        match self.load.kind {
-            CircuitKind::Dynamic => change.voltage,
-            CircuitKind::QuasiStatic => 0.0,
-            CircuitKind::Open => {
-                let [top_charge, _] = self.open_charges;
-                (top_charge - self.electrostatic_voltage(motion) * self.parasitic)
-                    / self.total_capacitance_length(motion.position)
-                    * change.position
-            }
-        }
+        self.load.kind.voltage(change.voltage, || {
+            let [top_charge, _] = self.open_charges;
+            (top_charge - self.electrostatic_voltage(motion) * self.parasitic)
+                / self.total_capacitance_length(motion.position)
+                * change.position
+        })
     }
 
     /// Electrostatic force on the mass in N, attractive positive: equation (28), or the field in the gap.

@@ -121,25 +121,17 @@ impl Physics {
 
     /// The voltage in V that sets the charge: the load voltage, except where that is lost in rounding.
     pub(super) fn electrostatic_voltage(&self, motion: &Motion, overlap: &Overlap) -> f64 {
-        match self.load.kind {
-            CircuitKind::Dynamic => motion.voltage,
-            CircuitKind::QuasiStatic => 0.0,
-            CircuitKind::Open => {
-                (self.tribo_charge * overlap.inert - self.open_charge) / (self.capacitance * overlap.active)
-            }
-        }
+        self.load.kind.voltage(motion.voltage, || {
+            (self.tribo_charge * overlap.inert - self.open_charge) / (self.capacitance * overlap.active)
+        })
     }
 
     /// Derivative of [`Self::electrostatic_voltage`] in the direction of `change`.
     fn electrostatic_voltage_along(&self, motion: &Motion, overlap: &Overlap, change: &Motion) -> f64 {
-        match self.load.kind {
-            CircuitKind::Dynamic => change.voltage,
-            CircuitKind::QuasiStatic => 0.0,
-            CircuitKind::Open => {
-                let total = self.total_charge(self.electrostatic_voltage(motion, overlap));
-                -(overlap.slope * change.position) * total / (self.capacitance * overlap.active)
-            }
-        }
+        self.load.kind.voltage(change.voltage, || {
+            let total = self.total_charge(self.electrostatic_voltage(motion, overlap));
+            -(overlap.slope * change.position) * total / (self.capacitance * overlap.active)
+        })
     }
 
     /// Load voltage in V.

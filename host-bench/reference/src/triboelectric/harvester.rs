@@ -6,7 +6,6 @@ use crate::storage::Storage;
 use harvester_scene::outcome::Particular;
 use harvester_scene::scene_file::{Load, StickCharge};
 
-/// Vacuum permittivity in F/m.
 pub(crate) const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
 
 /// Fastest rate in 1/s at which the motion changes the capacitance: a gap of a dielectric thickness crossed at
@@ -22,6 +21,17 @@ pub(crate) enum CircuitKind {
     QuasiStatic,
     /// No current flows: the charge is constant, and the voltage follows from the position.
     Open,
+}
+
+impl CircuitKind {
+    /// The voltage that sets the charges, or a derivative of it: the one of the state, that of an open circuit, or none.
+    pub(crate) fn voltage(self, state: f64, open: impl FnOnce() -> f64) -> f64 {
+        match self {
+            Self::Dynamic => state,
+            Self::QuasiStatic => 0.0,
+            Self::Open => open(),
+        }
+    }
 }
 
 /// The circuit at the terminals, and what the charge does in stick.

@@ -72,7 +72,6 @@ pub(super) struct Arc {
     pub(super) from: f64,
     /// Local end in s.
     pub(super) to: f64,
-    /// States at the end.
     pub(super) end: States,
     /// Divided differences of the states at [`NODES`].
     differences: [States; 4],

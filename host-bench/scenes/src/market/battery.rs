@@ -10,7 +10,6 @@ pub struct Reservoir {
     pub capacitance_f: f64,
     /// Leakage resistance of the capacitor in Ω.
     pub leakage_ohm: f64,
-    /// The battery.
     pub battery: Option<Battery>,
 }
 

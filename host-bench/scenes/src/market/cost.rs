@@ -95,7 +95,6 @@ impl Processor {
 /// The parts of a node that an estimate of the income uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CostModel {
-    /// The processor.
     pub processor: Processor,
     /// The accelerometer. Its supply is switched off between bursts.
     pub accelerometer: Accelerometer,

@@ -1,5 +1,7 @@
 //! `[parameters]`, `[tip_mass]`, `[stop]` and `[initial]` of a bump-stop scene.
 
+pub use model_core::part::monomorph::Bimorph;
+pub use model_core::scene::bump_stop::AnyCoupling as Coupling;
 use model_core::scene::bump_stop::{Restitution, Start, Stop, TipMass};
 
 use super::document::SceneError;
@@ -16,10 +18,10 @@ const ROD: CoreTable = Stop::<f64, ()>::BOUNDS;
 const START: CoreTable = Start::<f64, 0, 0>::BOUNDS;
 
 const COUPLINGS: [(&str, Coupling); 2] = [("two-way", Coupling::TwoWay), ("one-way", Coupling::OneWay)];
-const TRANSDUCERS: [(&str, Transducer); 3] = [
-    ("monomorph", Transducer::Monomorph),
-    ("bimorph-series", Transducer::BimorphSeries),
-    ("bimorph-parallel", Transducer::BimorphParallel),
+const TRANSDUCERS: [(&str, Option<Bimorph>); 3] = [
+    ("monomorph", None),
+    ("bimorph-series", Some(Bimorph::Series)),
+    ("bimorph-parallel", Some(Bimorph::Parallel)),
 ];
 const CONTACTS: [(&str, Contact); 3] = [
     ("residual-flexibility", Contact::ResidualFlexibility),
@@ -70,8 +72,8 @@ model_core::bump_stop_numbers! { of_rows! {
         pub beam_modes: usize,
         /// Whether the voltage acts back on the beam.
         pub coupling: Coupling,
-        /// The piezoelectric layers and their connection.
-        pub transducer: Transducer,
+        /// `None`: one layer, on one side.
+        pub transducer: Option<Bimorph>,
         /// Table `[tip_mass]`; `None`: a free end.
         pub tip_mass: Option<TipMassParameters>,
     }
@@ -83,33 +85,13 @@ model_core::tip_mass_numbers! { of_rows! {
     pub struct TipMassParameters {}
 } }
 
-/// Whether the voltage acts back on the beam.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Coupling {
-    /// It does: what is harvested is taken from the motion.
-    TwoWay,
-    /// It does not: the beam drives the circuit and does not feel it.
-    OneWay,
-}
-
-/// The piezoelectric layers of a cantilever and their connection.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Transducer {
-    /// One layer on one side.
-    Monomorph,
-    /// A layer on each side, poled oppositely, in series.
-    BimorphSeries,
-    /// A layer on each side, poled alike, in parallel.
-    BimorphParallel,
-}
-
-impl Transducer {
+impl BumpStopParameters {
     /// How many layers there are, and how many of them are in series between the terminals.
-    pub fn layers(self) -> [f64; 2] {
-        match self {
-            Self::Monomorph => [1.0, 1.0],
-            Self::BimorphSeries => [2.0, 2.0],
-            Self::BimorphParallel => [2.0, 1.0],
+    pub fn layers(&self) -> [f64; 2] {
+        match self.transducer {
+            None => [1.0, 1.0],
+            Some(Bimorph::Series) => [2.0, 2.0],
+            Some(Bimorph::Parallel) => [2.0, 1.0],
         }
     }
 }
@@ -283,7 +265,7 @@ fn parameters(mut section: Section<'_>) -> Result<BumpStopParameters, SceneError
         transducer: if section.has("transducer") {
             section.choice("transducer", &TRANSDUCERS)?
         } else {
-            Transducer::Monomorph
+            None
         },
         tip_mass: None,
     } });

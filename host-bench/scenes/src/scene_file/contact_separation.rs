@@ -74,10 +74,7 @@ impl ContactSeparation {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Restitution {
     /// The same at every speed.
-    Constant {
-        /// The coefficient, 0 to 1.
-        coefficient: f64,
-    },
+    Constant { coefficient: f64 },
     /// `e(v) = at_speed + (at_rest − at_speed) exp(−|v| / reference_speed)`.
     VelocityDependent {
         /// Coefficient in the limit of no speed, 0 to 1.
@@ -132,15 +129,7 @@ static INITIAL: Table = Table::of(&[
 
 pub(super) fn model(root: &mut Section<'_>) -> Result<ContactSeparation, SceneError> {
     let parameters = parameters(root.table("parameters")?)?;
-    let initial = match root.optional_table("initial")? {
-        None => TriboelectricStart::default(),
-        Some(mut section) => {
-            let initial = start(&mut section, "gap_m")?;
-            section.finish()?;
-            initial
-        }
-    };
-    Ok(ContactSeparation { parameters, initial })
+    Ok(ContactSeparation { parameters, initial: start(root, "gap_m", f64::INFINITY)? })
 }
 
 fn parameters(mut section: Section<'_>) -> Result<ContactSeparationParameters, SceneError> {

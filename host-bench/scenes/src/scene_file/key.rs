@@ -28,7 +28,6 @@ pub struct Key {
 /// What the value of a key may be.
 #[derive(Debug, Clone, Copy)]
 pub enum Value {
-    /// A number.
     Number(Bounds<f64>),
     /// A number, 0 or infinity.
     NumberOrLimits(Bounds<f64>),
@@ -46,7 +45,6 @@ pub enum Value {
     Part(fn() -> Vec<&'static str>),
     /// `true` or `false`.
     Flag,
-    /// A text.
     Text,
     /// A list of texts.
     Texts,
@@ -56,7 +54,6 @@ pub enum Value {
     Column(Bounds<f64>),
     /// A column, or `false` for none.
     ColumnOrFalse(Bounds<f64>),
-    /// A table.
     Table(&'static Table),
     /// A list of tables, at least one.
     Tables(&'static Table),
@@ -67,9 +64,7 @@ pub enum Value {
 pub enum Default {
     /// It must be given.
     Required,
-    /// This number.
     Number(f64),
-    /// This flag.
     Flag(bool),
     /// What the text says.
     Said(&'static str),
@@ -82,7 +77,6 @@ pub struct Table {
     pub keys: &'static [Key],
     /// The key that says the kind; empty where there is one kind only.
     pub selector: &'static str,
-    /// The kinds.
     pub kinds: &'static [&'static Kind],
 }
 
@@ -108,7 +102,6 @@ impl Table {
         Self { keys: &[], selector: "kind", kinds }
     }
 
-    /// The kind with this word.
     pub fn kind(&self, word: &str) -> Option<&'static Kind> {
         self.kinds.iter().copied().find(|kind| kind.word == word)
     }

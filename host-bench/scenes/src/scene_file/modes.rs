@@ -82,7 +82,7 @@ impl Section {
     fn new(from: &BumpStopParameters) -> Self {
         let (width, substrate, piezo) =
             (from.beam_width_m, from.substrate_thickness_m, from.piezo_thickness_m);
-        let [count, in_series] = from.transducer.layers();
+        let [count, in_series] = from.layers();
         // From the lower face of the substrate.
         let mut layers = vec![
             (from.substrate_young_modulus_pa, substrate, 0.5 * substrate),
@@ -177,7 +177,7 @@ impl BumpStopModes {
     /// The modes that a scene keeps.
     pub fn new(from: &BumpStopParameters, stop: Option<&StopParameters>) -> Self {
         let section = Section::new(from);
-        let [count, in_series] = from.transducer.layers();
+        let [count, in_series] = from.layers();
         let length = from.beam_length_m;
         let beam_mass = section.mass_per_length * length;
         let beam: Vec<BeamMode> = match &from.tip_mass {

@@ -82,7 +82,6 @@ impl std::str::FromStr for Override {
 }
 
 impl Document {
-    /// Reads the file and puts in the overrides.
     pub(super) fn read(file: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
         let fault = |line, reason: String| SceneError::of_file(file, line, reason);
         let bytes = read(file, MOST_OF_SCENE)
@@ -295,7 +294,6 @@ pub fn replaces(key: &str, before: &str) -> bool {
     contains(key, before) || alternatives(last).any(|other| contains(&beside(other), before))
 }
 
-/// Whether `key` is `table`, or a key in it.
 pub fn contains(table: &str, key: &str) -> bool {
     key.strip_prefix(table).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }

@@ -9,8 +9,8 @@ pub use self::excitation::{Burst, BurstShape, Excitation, Random, Sweep, Tone, T
 pub use self::node::{Action, EstimationCost, HOURS, Node, PartFigure, Storage};
 use super::Summary;
 pub use super::bump_stop::{
-    BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters, TipMassParameters,
-    Transducer,
+    Bimorph, BumpStop, BumpStopParameters, BumpStopStart, Contact, Coupling, StopParameters,
+    TipMassParameters,
 };
 pub use super::contact_separation::{ContactSeparation, ContactSeparationParameters, Restitution};
 use super::document::SceneError;
@@ -124,7 +124,6 @@ impl Model {
 /// What is connected to the harvester.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {
-    /// A resistor.
     Resistor {
         /// Resistance in Ω: 0 is a short circuit, infinity an open one.
         resistance_ohm: f64,
@@ -180,7 +179,6 @@ pub struct RectifiedStore {
 pub enum Draw {
     /// Nothing.
     None,
-    /// A resistor.
     Resistor {
         /// Resistance in Ω.
         resistance_ohm: f64,

@@ -127,20 +127,7 @@ static INITIAL: Table = Table::of(&[
 
 pub(super) fn model(root: &mut Section<'_>) -> Result<Sliding, SceneError> {
     let parameters = parameters(root.table("parameters")?)?;
-    let initial = match root.optional_table("initial")? {
-        None => TriboelectricStart::default(),
-        Some(mut section) => {
-            let initial = start(&mut section, "displacement_m")?;
-            let reach = 2.0 * parameters.patch_radius_m;
-            if initial.position_m.is_some_and(|position| position.abs() >= reach) {
-                let reason =
-                    format!("must be within two patch radii, less than {} in magnitude", Short(reach));
-                return Err(section.refuse("displacement_m", reason));
-            }
-            section.finish()?;
-            initial
-        }
-    };
+    let initial = start(root, "displacement_m", 2.0 * parameters.patch_radius_m)?;
     Ok(Sliding { parameters, initial })
 }
 

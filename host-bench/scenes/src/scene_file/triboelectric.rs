@@ -3,6 +3,7 @@
 use super::document::SceneError;
 use super::key::{Bound, Key, Short, Table, Value, other, words};
 use super::section::Section;
+pub use model_core::scene::contact_separation::{AnyForceLaw as ForceLaw, StickCharge};
 
 /// `[initial]` of a triboelectric scene; what is `None` takes its default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -15,16 +16,24 @@ pub struct TriboelectricStart {
     pub charge_c: Option<f64>,
 }
 
-/// Reads `[initial]`, whose position has the key `position`.
+/// Reads `[initial]`, if it is there; its position has the key `position`, and must be less than `reach` in magnitude.
 pub(super) fn start(
-    section: &mut Section<'_>,
+    root: &mut Section<'_>,
     position: &'static str,
+    reach: f64,
 ) -> Result<TriboelectricStart, SceneError> {
-    Ok(TriboelectricStart {
+    let Some(mut section) = root.optional_table("initial")? else { return Ok(TriboelectricStart::default()) };
+    let start = TriboelectricStart {
         position_m: section.optional_number(position)?,
         velocity_m_per_s: section.optional_number("velocity_m_per_s")?,
         charge_c: section.optional_number("charge_c")?,
-    })
+    };
+    if start.position_m.is_some_and(|position| position.abs() >= reach) {
+        let reason = format!("must be within two patch radii, less than {} in magnitude", Short(reach));
+        return Err(section.refuse(position, reason));
+    }
+    section.finish()?;
+    Ok(start)
 }
 
 /// The keys of a harvester: its parameters, its start and the limits of its model.
@@ -38,27 +47,6 @@ pub(super) const fn tables(
         other("initial", Value::Table(initial), "The state at the start").or_said("at rest, without voltage"),
         other("limits", Value::Table(limits), "The limits of the model").or_said("the defaults below"),
     ]
-}
-
-/// Electrostatic force law.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ForceLaw {
-    /// The transferred charge as that of a capacitor, equations (16) and (28) of Fu, Ouyang and Davis: on the overlap in sliding, on
-    /// the total capacitance in contact-separation. Gives the paper's trends; not passive in contact-separation.
-    TransferredCharge,
-    /// The field in the gap between the surfaces: the law that conserves energy.
-    GapField,
-    /// No force on the motion: what the load takes is created.
-    None,
-}
-
-/// What the charge does while the mass is held on the dielectric, or the slider sticks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StickCharge {
-    /// It stays as it was: the load is open.
-    Frozen,
-    /// It goes on flowing through the load.
-    Relaxing,
 }
 
 const FORCE_LAWS: [(&str, ForceLaw); 3] = [

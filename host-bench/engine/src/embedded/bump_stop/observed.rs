@@ -149,7 +149,6 @@ pub struct ContactInterval {
 }
 
 impl ContactInterval {
-    /// Its length in s.
     pub fn length_s(&self) -> f64 {
         self.ends_s - self.begins_s
     }

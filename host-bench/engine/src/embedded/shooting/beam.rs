@@ -94,7 +94,7 @@ fn typical<P: Parts<f64>, const B: usize, const R: usize>(
 ) -> Vec<f64> {
     let from = &model.parameters;
     let per_area = from.substrate_thickness_m * from.substrate_density_kg_per_m3
-        + from.transducer.layers()[0] * from.piezo_thickness_m * from.piezo_density_kg_per_m3;
+        + from.layers()[0] * from.piezo_thickness_m * from.piezo_density_kg_per_m3;
     let body = from.tip_mass.map_or(0.0, |body| body.mass_kg);
     let mass = per_area * from.beam_width_m * from.beam_length_m + body;
     let base = match &setting.scene.excitation {

@@ -7,7 +7,6 @@ use model_core::excitation::{ExcitationError, SpectralDensity, SpectralLine};
 /// What shakes the base.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Excitation {
-    /// One sine.
     Sine(Tone),
     /// A sum of sines.
     Sines(Vec<Tone>),
@@ -121,7 +120,6 @@ pub struct Burst {
 /// What a burst consists of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BurstShape {
-    /// Half a sine.
     HalfSine {
         /// Its length in s.
         duration_s: f64,
@@ -184,7 +182,6 @@ pub struct Random {
 }
 
 impl Random {
-    /// The most lines.
     pub const MOST_LINES: usize = 4096;
 
     /// Draws the lines.

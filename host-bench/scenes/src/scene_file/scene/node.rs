@@ -62,7 +62,6 @@ pub struct Storage {
 /// Something that a node does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Action {
-    /// Its name.
     pub name: String,
     /// What it takes at the node in J, upper bound.
     pub energy_j: f64,
@@ -84,7 +83,6 @@ pub struct EstimationCost {
 /// A figure of a named part.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct PartFigure {
-    /// The part.
     pub part: String,
     /// The quantity with its unit.
     pub quantity: &'static str,

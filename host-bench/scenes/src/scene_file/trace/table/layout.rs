@@ -197,7 +197,6 @@ fn width(record: &StringRecord) -> usize {
     (0..record.len()).rfind(|column| !record[*column].is_empty()).map_or(0, |last| last + 1)
 }
 
-/// The place of a column that the key `key` asks for.
 fn place(column: &Column, key: &'static str, first: &StringRecord, line: u64) -> Result<usize, TraceFault> {
     match column {
         Column::Number(number) => Ok(number - 1),
