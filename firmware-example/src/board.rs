@@ -36,7 +36,6 @@ impl<F: NorFlash> Slots<F> {
         Some(Self { flash, size: u32::try_from(size).ok()? })
     }
 
-    /// The flash.
     pub fn into_flash(self) -> F {
         self.flash
     }

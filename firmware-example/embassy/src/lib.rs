@@ -35,7 +35,6 @@ pub struct Parts<SPI, CONVERT, ACT, FLASH: NorFlash> {
     pub convert: CONVERT,
     /// Carries an order out, or leaves it to another task and waits for that.
     pub act: ACT,
-    /// The images.
     pub images: Images<FLASH>,
     /// Seconds from one image to the next.
     pub image_every: u32,

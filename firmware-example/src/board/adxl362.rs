@@ -91,7 +91,6 @@ impl Rate {
 /// Why there are no samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Adxl362Error<E> {
-    /// The bus.
     Bus(E),
     /// Something else answers: the first three registers.
     Identity([u8; 3]),

@@ -19,7 +19,6 @@ pub const ACTIONS: usize = 2;
 /// Samples of a burst.
 pub const BURST: u32 = (SECTION * SECTIONS) as u32;
 
-/// The node.
 pub type ExampleNode = MapNode<&'static [u16], SECTION, SECTIONS, ACTIONS>;
 /// What it has learnt.
 pub type ExampleState = MapState<SECTIONS, ACTIONS>;

@@ -87,7 +87,6 @@ struct Sensor {
 }
 
 impl Plant {
-    /// At midnight.
     #[must_use]
     pub fn at_midnight() -> Self {
         Self {

@@ -6,7 +6,6 @@ use super::Meter;
 use super::parts::ExampleNode;
 use super::plant::{Draws, Plant};
 
-/// Bytes of an image of the node.
 pub const IMAGE_BYTES: usize = model_core::snapshot::image_size::<ExampleNode>();
 
 /// Seconds from one image to the next.
@@ -26,7 +25,6 @@ pub enum Moment {
 pub struct Loss {
     /// The first such moment from this second of the day on.
     pub from: u32,
-    /// The moment.
     pub moment: Moment,
 }
 
@@ -60,7 +58,6 @@ struct Slot {
 /// Calls of the node and what they took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Count {
-    /// Calls.
     pub calls: u32,
     /// Samples of the accelerometer that they took in.
     pub samples: u32,
@@ -77,7 +74,6 @@ pub enum Work {
     Wake,
     /// A wake after an action.
     Action,
-    /// Samples.
     Samples,
     /// The last samples of a burst with its look-up, and the wake after them.
     Burst,
@@ -132,7 +128,6 @@ impl World {
         }
     }
 
-    /// The plant.
     #[must_use]
     pub fn plant(&self) -> &Plant {
         &self.plant

@@ -16,9 +16,7 @@ use model_core::scene::bump_stop::{
 use super::run::{self, Building, Plan, Run};
 use super::{Visit, Workload, show};
 
-/// Modes of the beam.
 pub const BEAM_MODES: usize = 4;
-/// Modes of the rod.
 pub const ROD_MODES: usize = 1;
 
 /// 20 m/s² at 220 Hz, below the first natural frequency of 239.7 Hz. Two seconds from rest, of which the

@@ -46,7 +46,6 @@ pub const TOLERANCES: [f32; 4] = [1e-1, 5e-2, 2e-2, 1e-2];
 pub const STEPS: [f32; 2] = [1e-3, 5e-4];
 /// Fixed steps of [`precision`] for the classical Runge–Kutta method, in seconds.
 pub const EXPLICIT_STEPS: [f32; 2] = [5e-4, 2.5e-4];
-/// Tolerances of [`smooth`].
 pub const SMOOTH_TOLERANCES: [f32; 3] = [1e-1, 1e-2, 1e-3];
 /// Fixed step of [`smooth`] for the classical Runge–Kutta method, in seconds.
 pub const SMOOTH_STEP: f32 = 2.5e-4;
@@ -83,9 +82,7 @@ triboelectric_runs!();
 
 /// The load of the default scene.
 pub const LOAD: Resistor<f32> = Resistor { resistance: 1e8 };
-/// Its parasitic capacitance.
 pub const PARASITIC: ParasiticCapacitance<f32> = ParasiticCapacitance { capacitance: 1e-12 };
-/// Its law of restitution.
 pub const LAW_OF_SPEED: VelocityDependentRestitution<f32> = VelocityDependentRestitution {
     at_rest: 0.8,
     at_speed: 0.5,

@@ -67,7 +67,6 @@ triboelectric_runs!();
 
 /// The load of the default scene.
 pub const LOAD: Resistor<f32> = Resistor { resistance: 1e8 };
-/// Its friction.
 pub const FRICTION: PatchFriction<f32> =
     PatchFriction { static_active: 0.35, static_inert: 0.25, kinetic_active: 0.30, kinetic_inert: 0.20 };
 

@@ -54,7 +54,6 @@ pub struct PeerRun {
     pub mean_power_w: f64,
     /// Host time in s per simulated second.
     pub seconds_per_simulated_second: f64,
-    /// Accepted steps per simulated second.
     pub steps_per_simulated_second: f64,
 }
 

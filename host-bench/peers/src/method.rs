@@ -17,7 +17,6 @@ pub enum Method {
     DiscreteGradient,
     /// The backward differentiation formulas of `diffsol`.
     DiffsolBdf,
-    /// TR-BDF2 of `diffsol`.
     DiffsolTrBdf2,
     /// The ESDIRK method of order 4 of `diffsol`.
     DiffsolEsdirk34,

@@ -8,7 +8,6 @@ use std::cell::Cell;
 
 use super::Stop;
 
-/// Vacuum permittivity in F/m.
 pub(crate) const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
 
 /// Most guards that a mode has.

@@ -16,7 +16,6 @@ use crate::stop::{Code, stop};
 /// Seconds of a life of the node; then it starts again from its image.
 const LIFE: u32 = 130_000;
 const LIVES: u32 = 2;
-/// Bytes of an image of the node by the voltage alone.
 const VOLTAGE_BYTES: usize = image_size::<VoltageNode<ACTIONS>>();
 /// Readings whose ticks are counted.
 const READINGS: u32 = 500;
