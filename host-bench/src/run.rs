@@ -45,7 +45,7 @@ pub(crate) fn each<I: Sync, T: Send>(items: &[I], job: impl Fn(&I) -> T + Sync) 
     in_order(items.len(), &|index| Ok(job(&items[index]))).unwrap_or_default()
 }
 
-/// As [`each`], until one fails.
+/// As `each`, until one fails.
 ///
 /// # Errors
 /// The first failure in the order of the items, of those that were begun.

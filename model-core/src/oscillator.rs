@@ -166,7 +166,7 @@ impl<S: Scalar> Kernel<S> {
         // Those of even and of odd number.
         let [mut by_start, mut by_rate] = [S::ZERO; 2];
         downward!(S, N: [15 14 13 12 11 10] 9 8 7 6 5 4 3 2 1 0 {
-            let sum = if N % 2 == 0 { &mut by_start } else { &mut by_rate };
+            let sum = if N.is_multiple_of(2) { &mut by_start } else { &mut by_rate };
             *sum = ramps[N] - square * *sum;
         });
         let zeroth = ramps[0];

@@ -120,7 +120,7 @@ impl Mark {
 
     /// The line of a curve among others, by its number: every other one is dashed, for those who do not see its colour.
     pub(crate) fn line(number: usize, width: f64) -> Self {
-        if number % 2 == 0 { Self::Line(width) } else { Self::Dashes(width) }
+        if number.is_multiple_of(2) { Self::Line(width) } else { Self::Dashes(width) }
     }
 
     /// Width or diameter of one of its parts.
