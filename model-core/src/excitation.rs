@@ -70,6 +70,13 @@ pub trait Excitation<S: Scalar> {
         u32::MAX
     }
 
+    /// Whether [`Excitation::response`] is exact over any step that the series of the kernel reach. [`Excitation::resolved_ticks`] then
+    /// limits the steps of a mass that sticks alone.
+    #[inline]
+    fn is_exact(&self) -> bool {
+        false
+    }
+
     /// As [`Excitation::resolved_ticks`], of a step from `at`, for a method that does not end its steps at the kinks of the
     /// acceleration ([`Excitation::smooth_ticks`]).
     #[inline]
@@ -120,6 +127,7 @@ impl<S: Scalar, E: Excitation<S> + ?Sized> Excitation<S> for &E {
         #[inline] fn jerk(&self, at: Instant) -> S;
         #[inline] fn resolved_ticks(&self) -> u32;
         #[inline] fn resolved_ticks_at(&self, at: Instant) -> u32;
+        #[inline] fn is_exact(&self) -> bool;
         #[inline] fn angular_frequency(&self) -> S;
         #[inline] fn smooth_ticks(&self, at: Instant) -> u32;
         #[inline] fn response(&self, at: Instant, ticks: u32, kernel: &Kernel<S>) -> Response<S>;

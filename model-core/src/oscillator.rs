@@ -302,6 +302,11 @@ pub(crate) mod tests {
                 assert_close(kernel.to_sine(2.0, rate, frequency), expected, sine(h), 2e-13);
                 let found = small.to_sine(2.0, rate as f32, frequency as f32);
                 assert_close(found, expected, sine(h), 2e-6);
+                // The longest step of `StepControl::lengthening`.
+                let h = 1.5 * h;
+                let expected = by_small_steps(&oscillator, h, STEPS, sine);
+                let found = Kernel::new(&oscillator, h).to_sine(2.0, rate, frequency);
+                assert_close(found, expected, sine(h), 1e-11);
             }
         }
     }

@@ -112,7 +112,7 @@ impl Ledger {
 /// Work of the integrator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Effort {
-    /// Steps that the motion is made of.
+    /// Steps that the motion is made of, and for each event the one over it.
     pub(super) steps: u64,
     /// Refused attempts, and steps that were taken again because of an event in them.
     pub(super) rejected: u64,

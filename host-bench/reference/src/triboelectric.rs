@@ -64,7 +64,7 @@ pub(super) fn run<H: Harvester>(
     march.start(Base(&scene.excitation).from(0.0).at(0.0));
     progress::begin();
     while let Some(stretch) = schedule.next() {
-        if options.most_steps.is_some_and(|most| march.effort.steps > most) {
+        if options.most_steps.is_some_and(|most| march.effort.attempts() > most) {
             let reason = format!("given up after {} steps", march.effort.steps);
             return Err(march.failure(reason, stretch.start));
         }

@@ -53,6 +53,10 @@ impl<S: Scalar, const TONES: usize, M: Mathematics<S>> Excitation<S> for AnyExci
         }
     }
 
+    fn is_exact(&self) -> bool {
+        matches!(self, Self::Sine(_) | Self::Tones(_))
+    }
+
     fn resolved_ticks_at(&self, at: Instant) -> u32 {
         if let Self::Burst(burst) = self { burst.resolved_ticks_at(at) } else { self.resolved_ticks() }
     }

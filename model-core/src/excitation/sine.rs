@@ -61,6 +61,11 @@ impl<S: Scalar, M: Mathematics<S>> Excitation<S> for Sine<S, M> {
     }
 
     #[inline]
+    fn is_exact(&self) -> bool {
+        true
+    }
+
+    #[inline]
     fn resolved_ticks(&self) -> u32 {
         self.resolved
     }
@@ -137,6 +142,11 @@ impl<S: Scalar, const CAPACITY: usize, M: Mathematics<S>> Excitation<S> for Tone
     #[inline]
     fn jerk(&self, at: Instant) -> S {
         self.tones.iter().fold(S::ZERO, |sum, tone| sum + tone.jerk(at))
+    }
+
+    #[inline]
+    fn is_exact(&self) -> bool {
+        true
     }
 
     #[inline]

@@ -53,6 +53,12 @@ struct TakenStep<S, const N: usize, const P: usize> {
     memo: Memo<S>,
 }
 
+/// A number of ticks times a factor of at least 1.
+#[inline]
+fn lengthened<S: Scalar>(ticks: u32, factor: S) -> u32 {
+    if factor > S::ONE { (factor * S::from_u32(ticks)).to_u32() } else { ticks }
+}
+
 impl<M, C> Driver<M, C> {
     /// A driver that does not pause at events.
     #[must_use]
@@ -94,13 +100,12 @@ impl<M, C> Driver<M, C> {
         let scale = automaton.error_scale().of_the_faster(excitation.angular_frequency());
         let most_attempts = budget.max(LEAST_BUDGET) - LEAST_BUDGET;
         let factor = if M::PREDICTS { self.control.lengthening() } else { S::ONE };
-        let lengthened = |ticks| if factor > S::ONE { (factor * S::from_u32(ticks)).to_u32() } else { ticks };
-        let longest_ticks = lengthened(scale.ticks_of_radians(M::LONGEST_RADIANS));
+        let longest_ticks = lengthened(scale.ticks_of_radians(M::LONGEST_RADIANS), factor);
         // An event can be due at the first step of a call and after a jump. After an ordinary step the search
         // for a falling guard has excluded it.
         let mut may_be_due = true;
         let mut memo = Memo::EMPTY;
-        let mut longest = lengthened(self.longest_in(automaton, state, excitation, &scale));
+        let mut longest = self.longest_in(automaton, state, excitation, &scale);
         while state.clock < until {
             if work.attempts() > most_attempts {
                 return Ok(Advance { ended: Ended::BudgetSpent, work });
@@ -156,7 +161,7 @@ impl<M, C> Driver<M, C> {
                 self.take_jump(automaton, state, excitation, guard, observer)?;
                 work.events = work.events.wrapping_add(1);
                 may_be_due = true;
-                longest = lengthened(self.longest_in(automaton, state, excitation, &scale));
+                longest = self.longest_in(automaton, state, excitation, &scale);
                 if self.pause_at_events {
                     return Ok(Advance { ended: Ended::Event, work });
                 }
@@ -176,9 +181,17 @@ impl<M, C> Driver<M, C> {
     ) -> u32
     where
         M: Method<S>,
+        C: StepControl<S>,
     {
-        let seconds = self.method.longest_step(&automaton.flow(state.mode), scale.angular_frequency);
-        ticks_of_seconds(seconds).min(excitation.resolved_ticks())
+        let flow = automaton.flow(state.mode);
+        let seconds = self.method.longest_step(&flow, scale.angular_frequency);
+        // No error estimate limits the steps of a constant state, whose guards are searched on a cubic.
+        let factor = if M::PREDICTS { self.control.lengthening() } else { S::ONE };
+        if factor == S::ONE || flow.is_constant() {
+            return ticks_of_seconds(seconds).min(excitation.resolved_ticks());
+        }
+        let of_excitation = if excitation.is_exact() { factor } else { S::ONE };
+        ticks_of_seconds(factor * seconds).min(lengthened(excitation.resolved_ticks(), of_excitation))
     }
 
     /// Attempts a step of at most `limit` ticks; `None` if it was rejected and the control memory holds a shorter one.
@@ -257,8 +270,8 @@ impl<M, C> Driver<M, C> {
         if taken.ticks < proposed {
             let judged = control.ticks;
             control.keep_proposal(&state.control);
-            if M::PREDICTS && self.control.lengthening() > S::ONE {
-                // The longest step binds here, not the error.
+            if M::PREDICTS && self.control.lengthening() > S::ONE && taken.event.is_some() {
+                // The next step may be longer than the one before the event: at such tolerances the longest step binds.
                 control.ticks = control.ticks.max(judged);
             }
         }

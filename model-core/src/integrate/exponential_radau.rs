@@ -35,8 +35,8 @@ const VELOCITY: usize = 1;
 /// The exact flow of a linear oscillator with the three-stage Radau IIA method for its circuit.
 ///
 /// The global error is of fourth order. The cost of a step does not depend on the stiffness of the circuit. A step is at
-/// most 0.9 radians of the oscillator long; under error control 0.8, or 0.9 to an event, and half as much longer in double precision
-/// at a tolerance of 0.1. A system must state its split form ([`System::SPLIT`]); without it this method does not compile.
+/// most 0.9 radians of the oscillator long; under error control 0.8, or 0.9 to an event, and in double precision up to
+/// half as much longer at tolerances from 1/15 to 0.1. A system must state its split form ([`System::SPLIT`]); without it this method does not compile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ExponentialRadau;

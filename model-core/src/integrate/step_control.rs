@@ -343,7 +343,7 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
         (S::from_f64(NEWTON_PART) * self.tolerance * radians).max(S::EPSILON * S::from_f64(NEWTON_ROUNDINGS))
     }
 
-    /// Up to 1.5 at tolerances from 1/15 to 0.1, in double precision: the series of the motion are then off by 10⁻¹³, in single
+    /// Up to 1.5 at tolerances from 1/15 to 0.1, in double precision: the series of the motion are then off by 10⁻¹², in single
     /// precision by 10⁻⁶.
     #[inline]
     fn lengthening(&self) -> S {

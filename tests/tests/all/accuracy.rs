@@ -217,7 +217,7 @@ fn steps_that_are_given_at_a_rigid_stop_without_a_gap_are_warned() {
 /// A case of seed 631: half of its steps and a quarter of them agreed by chance, nine times as well as they were right, before the current
 /// of the bridge ended long steps.
 #[test]
-fn steps_that_agree_by_chance_behind_a_bridge_are_within_the_statement() {
+fn the_error_of_a_beam_behind_a_bridge_is_within_the_statement() {
     let scene = draw_varied(631, 16_758).read().expect("a scene");
     let exact = value(run_scene(&scene, &reference()).expect("runs").mean_power_w);
     let error = error_within_statement(&scene, &single(Options::default()), exact);

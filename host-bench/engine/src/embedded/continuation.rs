@@ -235,7 +235,7 @@ impl<'a, H: Harvester<f64>> Sweep<'a, H> {
         }
     }
 
-    /// Advances by a number of periods of the sine from `from`, in periods.
+    /// Advances to a time in periods of the sine.
     fn advance<O: Observer<f64>>(
         &mut self,
         excitation: HostExcitation<'_, f64>,

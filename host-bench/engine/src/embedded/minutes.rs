@@ -10,7 +10,7 @@ use model_core::scene::{Harvester, Simulation};
 
 use super::{bump_stop_parameters, contact_separation_parameters, sliding_parameters};
 use harvester_scene::method::Failure;
-use harvester_scene::scene_file::Scene;
+use harvester_scene::scene_file::{Load, Scene};
 
 /// Sines of a random acceleration.
 pub const LINES: usize = 200;
@@ -41,12 +41,17 @@ impl Deviation {
 /// is all but 10⁻³.
 ///
 /// # Errors
-/// If the parameters are refused, or a step fails.
+/// If there is another load or a stop, the parameters are refused, or a step fails.
 pub fn energies_by_minute(
     scene: &Scene,
     vibration: &[Vibration],
     off: &dyn Fn(usize) -> Deviation,
 ) -> Result<Vec<f64>, Failure> {
+    if !matches!(scene.load, Load::Resistor { .. })
+        || scene.bump_stop().is_ok_and(|model| model.stop.is_some())
+    {
+        return Err(Failure::of_file(scene, "load.kind must be \"resistor\", and [stop] absent".to_owned()));
+    }
     let load = scene.load;
     let adaptive = Adaptive::new(TOLERANCE).map_err(fail)?;
     // The two are off alike, but for what makes their stiffness.

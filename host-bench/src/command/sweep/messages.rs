@@ -65,7 +65,8 @@ pub(super) fn refined_text(
 ) -> String {
     let power = |at: usize| found.get(at)?.number("mean_power_w");
     let Some((left, right)) = at.checked_sub(1).and_then(|before| power(before).zip(power(at + 1))) else {
-        return best_text(found, best) + ", at an end of the curve";
+        let is_at_an_end = !is_level(found) && (at == 0 || at + 1 == found.len());
+        return best_text(found, best) + if is_at_an_end { ", at an end of the curve" } else { "" };
     };
     let vertex = at as f64 + 0.5 * (left - right) / (left - 2.0 * top + right);
     let value = axis.at(vertex / (axis.count() - 1) as f64);

@@ -29,7 +29,7 @@ pub(super) const LEVELS: usize = 4;
 
 /// A bump-stop harvester with its step lengths, and the coefficients of a bound on the gap within a step.
 ///
-/// The gap cannot gap_bound zero within a step if `max(g, g⁺)` is below zero by more than the gap can depart from a straight
+/// The gap cannot reach zero within a step if `max(g, g⁺)` is below zero by more than the gap can depart from a straight
 /// line (`GapBound`). A longer step is attempted if the free motion leaves the gap open, and is taken if the whole bound
 /// does. Between the short step and the long one are their geometric mean, and the geometric mean of that and the short
 /// step: most steps near contact are limited by the gap.
