@@ -304,10 +304,12 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
         let period = wanted.period_s.unwrap_or(0.0);
         (frequency * period - (frequency * period).round()).abs() > apart * period || period == 0.0
     };
-    let off = |(one, other): (&(f64, f64), &(f64, f64))| f64::from(is_noise(one.0)) * (one.1 - other.1).abs();
     // Within a few periods every line is beside a harmonic.
     let coarse = wanted.coarse.filter(|_| all[0].iter().any(|line| is_noise(line.0)));
-    let noise = coarse.map(|coarse| all[0].iter().zip(&of(coarse)).map(off).fold(0.0, f64::max));
+    let noise = coarse.map(|coarse| {
+        let both = all[0].iter().zip(of(coarse)).filter(|(line, _)| is_noise(line.0));
+        both.map(|(fine, coarse)| (fine.1 - coarse.1).abs()).fold(0.0, f64::max)
+    });
     let is_seen = |line: &(f64, f64)| factor * line.1 > floor;
     let is_peak = |near: &&[(f64, f64)]| is_seen(&near[1]) && near[1].1 > near[0].1 && near[1].1 >= near[2].1;
     let is_one = series.len() == 1 && all[0].windows(3).filter(is_peak).count() == 1;
@@ -334,16 +336,26 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let across = Axis::scaled(has(LogAxis::X), "frequency [Hz]", ends);
     if let Some(noise) = noise {
         let level = (factor * noise).max(floor);
-        // Runs of a chaotic or chattering motion part from each other, however accurate they are.
-        let words = [": below", ":", ", by two runs that part:"];
-        let words = words[[1e-6, 1e-3].partition_point(|part| noise > part * largest)];
-        let name = format!("noise floor of a line{words} {}", with_unit(noise.max(1e-6 * largest), unit));
+        let name = noise_floor(noise, largest, unit);
         curves.push(Curve::new(name, BLACK, Mark::Dashes(1.2), ends.map(|frequency| (frequency, level))));
     }
     let bottom = if has(LogAxis::Y) { 0.5 * floor } else { 0.0 };
     let up = Axis::scaled(has(LogAxis::Y), name, [bottom, 1.3 * factor * largest]);
     let chart = Chart::new("spectrum: amplitude of each line", across, up, curves);
     Some(Chart { note, is_half: true, height: PANEL, ..chart })
+}
+
+/// The noise floor of a spectrum in words, beside its largest line.
+fn noise_floor(noise: f64, largest: f64, unit: &str) -> String {
+    let words = if noise <= 1e-6 * largest {
+        ": below"
+    } else if noise <= 1e-3 * largest {
+        ":"
+    } else {
+        // Runs of a chaotic or chattering motion part from each other, however accurate they are.
+        ", by two runs that part:"
+    };
+    format!("noise floor of a line{words} {}", with_unit(noise.max(1e-6 * largest), unit))
 }
 
 #[cfg(test)]

@@ -79,8 +79,7 @@ macro_rules! reciprocal_factorial {
 /// brackets are for double precision only.
 macro_rules! downward {
     ($scalar:ty, $n:ident: [$($double:literal)+] $($single:literal)+ $body:block) => {
-        // Constant in each precision: the other branch is not compiled.
-        if <$scalar>::EPSILON < <$scalar>::from_f64(1e-10) {
+        if <$scalar>::IS_DOUBLE {
             $({ const $n: usize = $double; $body })+
         }
         $({ const $n: usize = $single; $body })+
@@ -95,8 +94,7 @@ impl<S: Scalar> Kernel<S> {
         let stiffness = oscillator.stiffness * step * step;
         let damping = oscillator.damping * step;
         let mut ramps = [S::ZERO; 16];
-        let is_double = S::EPSILON < S::from_f64(1e-10);
-        if is_double {
+        if S::IS_DOUBLE {
             (ramps[14], ramps[15]) = (reciprocal_factorial!(16), reciprocal_factorial!(17));
         } else {
             (ramps[8], ramps[9]) = (reciprocal_factorial!(10), reciprocal_factorial!(11));

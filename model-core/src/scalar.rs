@@ -69,6 +69,8 @@ pub trait Scalar:
     const ONE: Self;
     /// Distance from 1 to the next larger number.
     const EPSILON: Self;
+    /// Whether it is of double precision, for which series take further terms.
+    const IS_DOUBLE: bool;
     /// Smallest positive normal number.
     const TINY: Self;
     /// Positive infinity.

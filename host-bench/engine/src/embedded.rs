@@ -169,5 +169,5 @@ pub fn best_resistance(
 
 /// The name of a precision, as the command line writes it.
 pub fn precision_name<S: Scalar>() -> &'static str {
-    if size_of::<S>() == 4 { "f32" } else { "f64" }
+    if S::IS_DOUBLE { "f64" } else { "f32" }
 }

@@ -66,8 +66,8 @@ pub(super) fn first(request: &Request<'_>, grid: &[Vec<f64>]) -> Result<Vec<Poin
         let mut named =
             places.iter().zip(&tried).filter_map(|(place, tried)| Some((place, tried.as_ref().ok()?)));
         let numbers = named.next().map(|(place, outcome)| request.numbers(place, outcome)).transpose()?;
-        for ((option, name), numbers) in request.quantities().zip(numbers.iter().cycle()) {
-            check_quantity(option, name, numbers)?;
+        if let Some(numbers) = &numbers {
+            request.quantities().try_for_each(|(option, name)| check_quantity(option, name, numbers))?;
         }
         for (place, tried) in places.iter().zip(tried) {
             let tried = request.counted(tried);

@@ -99,8 +99,7 @@ impl<M, C> Driver<M, C> {
         let mut work = Work::default();
         let scale = automaton.error_scale().of_the_faster(excitation.angular_frequency());
         let most_attempts = budget.max(LEAST_BUDGET) - LEAST_BUDGET;
-        let factor = if M::PREDICTS { self.control.lengthening() } else { S::ONE };
-        let longest_ticks = lengthened(scale.ticks_of_radians(M::LONGEST_RADIANS), factor);
+        let longest_ticks = lengthened(scale.ticks_of_radians(M::LONGEST_RADIANS), self.lengthening());
         // An event can be due at the first step of a call and after a jump. After an ordinary step the search
         // for a falling guard has excluded it.
         let mut may_be_due = true;
@@ -170,6 +169,16 @@ impl<M, C> Driver<M, C> {
         Ok(Advance { ended: Ended::Finished, work })
     }
 
+    /// [`StepControl::lengthening`], for a method that it serves.
+    #[inline]
+    fn lengthening<S: Scalar>(&self) -> S
+    where
+        M: Method<S>,
+        C: StepControl<S>,
+    {
+        if M::PREDICTS { self.control.lengthening() } else { S::ONE }
+    }
+
     /// The longest step in ticks, which depends on the mode.
     #[inline(never)]
     fn longest_in<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
@@ -186,7 +195,7 @@ impl<M, C> Driver<M, C> {
         let flow = automaton.flow(state.mode);
         let seconds = self.method.longest_step(&flow, scale.angular_frequency);
         // No error estimate limits the steps of a constant state, whose guards are searched on a cubic.
-        let factor = if M::PREDICTS { self.control.lengthening() } else { S::ONE };
+        let factor = self.lengthening();
         if factor == S::ONE || flow.is_constant() {
             return ticks_of_seconds(seconds).min(excitation.resolved_ticks());
         }
@@ -270,7 +279,7 @@ impl<M, C> Driver<M, C> {
         if taken.ticks < proposed {
             let judged = control.ticks;
             control.keep_proposal(&state.control);
-            if M::PREDICTS && self.control.lengthening() > S::ONE && taken.event.is_some() {
+            if self.lengthening() > S::ONE && taken.event.is_some() {
                 // The next step may be longer than the one before the event: at such tolerances the longest step binds.
                 control.ticks = control.ticks.max(judged);
             }

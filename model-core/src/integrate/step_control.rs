@@ -347,11 +347,7 @@ impl<S: Scalar> StepControl<S> for Adaptive<S> {
     /// precision by 10⁻⁶.
     #[inline]
     fn lengthening(&self) -> S {
-        if S::EPSILON > S::from_f64(1e-10) {
-            S::ONE
-        } else {
-            (S::from_f64(15.0) * self.tolerance).max(S::ONE)
-        }
+        if S::IS_DOUBLE { (S::from_f64(15.0) * self.tolerance).max(S::ONE) } else { S::ONE }
     }
 
     #[inline(always)]

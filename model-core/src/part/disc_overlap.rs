@@ -88,11 +88,10 @@ impl<S: Scalar> DiscOverlap<S> {
     /// the smallest value that is a valid divisor.
     #[inline]
     pub(crate) fn at(xi: S) -> Self {
-        // Constant in each precision: the other branch is not compiled.
-        if S::EPSILON > S::from_f64(1e-10) {
-            Self::in_two_pieces(xi, JOINT_F32, (&INNER_F32, 0), &OUTER_F32)
-        } else {
+        if S::IS_DOUBLE {
             Self::in_two_pieces(xi, JOINT_F64, (&INNER_F64, 5), &OUTER_F64)
+        } else {
+            Self::in_two_pieces(xi, JOINT_F32, (&INNER_F32, 0), &OUTER_F32)
         }
     }
 

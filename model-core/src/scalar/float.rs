@@ -15,6 +15,7 @@ macro_rules! impl_scalar {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $float::EPSILON;
+            const IS_DOUBLE: bool = $float::MANTISSA_DIGITS > 24;
             const TINY: Self = $float::MIN_POSITIVE;
             const INFINITY: Self = $float::INFINITY;
 
