@@ -233,7 +233,7 @@ impl<M, C> Driver<M, C> {
             driver: self,
             scale,
             planned,
-            memo,
+            memo: A::KEEPS_GUARDS.then_some(memo),
             after_jump: M::CARRIES_DERIVATIVES
                 && state.since_event <= if M::PREDICTS { 0 } else { LAYER_TICKS },
         };
@@ -480,6 +480,5 @@ fn due_event<S: Scalar, A: Automaton<S, N, P>, const N: usize, const P: usize>(
     memo: &mut Memo<S>,
 ) -> Option<usize> {
     let input = InputAt::new(excitation, state.clock);
-    *memo = Memo::EMPTY;
     memo.take(automaton, (state.mode, state.armed), &state.point, &input, Guard::is_due)
 }
