@@ -82,7 +82,7 @@ pub enum SnapshotError {
     Corrupt,
     /// A valid snapshot of another model: another scene, other parameters or another precision.
     ForeignModel,
-    /// A valid snapshot with an invalid state: a mode that does not exist, or a number that is not finite.
+    /// A valid snapshot with an invalid state: a mode that does not exist, a number that is not finite, or a count that no state reaches.
     NoState,
 }
 

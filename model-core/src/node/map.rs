@@ -32,6 +32,7 @@ use crate::excitation::{LineBank, LineBankState};
 use crate::scalar::Scalar;
 use crate::snapshot::{Configuration, Fingerprint, Reader, Snapshot, Writer, snapshot_fields};
 use finding::{Blocks, Motion};
+use gain::CONTRADICTIONS;
 use income::{LatestPower, PredictedEnergy, least_change};
 
 /// Seconds after its end at which a burst that is not complete is given up.
@@ -127,7 +128,7 @@ snapshot_fields!(impl [const P: usize, const ACTIONS: usize] MapState<P, ACTIONS
     voltage, burst, latest, interval, hour, gain, of_gain, contradictions, is_doubtful, of_draw, is_rest, estimated, unreported, is_between, motion, since, bursts, misses, is_asked,
     last_hour,
 } if |state| {
-    state.gain >= 0.0 && state.of_gain >= 0.0 && state.of_draw >= 0.0
+    state.gain >= 0.0 && state.of_gain >= 0.0 && state.of_draw >= 0.0 && state.contradictions < 2 * CONTRADICTIONS
 });
 
 impl<const P: usize, const ACTIONS: usize> MapState<P, ACTIONS> {
@@ -416,6 +417,22 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         self.go_on(state, self.longest)
     }
 
+    /// What a burst under way asks for: its samples, or a wake for the next part of its evaluation. `None` without a burst, or at its end.
+    fn within_burst(&self, state: &mut MapState<P, ACTIONS>, now: u32, read: bool) -> Option<Wake> {
+        if state.burst.blocks.is_whole && self.evaluate(state).is_none() {
+            return Some(Wake { task: Task::Sleep, again_in: 0, read });
+        }
+        if state.burst.missing > 0 {
+            let since = now.checked_sub(Self::second(state));
+            let left = since.map_or(0, |since| self.longest.saturating_sub(since));
+            if left > 0 {
+                return Some(self.go_on(state, left));
+            }
+            self.give_up(state);
+        }
+        None
+    }
+
     /// Asks for the samples that are missing, for `left` s.
     fn go_on(&self, state: &MapState<P, ACTIONS>, left: u32) -> Wake {
         let samples = state.burst.start_up.saturating_add(state.burst.missing);
@@ -546,15 +563,12 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
     #[inline(never)]
     fn wake(&self, state: &mut MapState<P, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
         let seconds = now.saturating_sub(Self::second(state));
-        if state.burst.blocks.is_whole && self.evaluate(state).is_none() {
-            return Wake { task: Task::Sleep, again_in: 0, read: code.is_some() };
-        }
-        if state.burst.missing > 0 {
-            let left = self.longest.saturating_sub(seconds);
-            if now >= Self::second(state) && left > 0 {
-                return self.go_on(state, left);
+        if let Some(wake) = self.within_burst(state, now, code.is_some()) {
+            if code.is_some() {
+                // It has no use for it before the end of the burst, and it has cost a conversion.
+                self.voltage.book_reading(&mut state.voltage);
             }
-            self.give_up(state);
+            return wake;
         }
         self.pass(state, seconds);
         let mut of_gain = None;

@@ -288,6 +288,12 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         state.hour.spent += drawn;
     }
 
+    /// Books a reading.
+    pub(super) fn book_reading(&self, state: &mut VoltageState<ACTIONS>) {
+        state.readings = state.readings.saturating_add(1);
+        self.spend(state, self.parameters.reading);
+    }
+
     /// Advances the time to `now`. Of an interval in which the clock went back nothing is said.
     fn advance(&self, state: &mut VoltageState<ACTIONS>, now: u32, is_on: bool) -> u32 {
         let seconds = now.saturating_sub(state.second);
@@ -488,8 +494,8 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
             (state.doubted, state.reading) = (0, Some(StoreReading::Refused));
         }
         if code.is_some() || is_missing {
-            (state.attempted, state.readings) = (0, state.readings.saturating_add(1));
-            self.spend(state, self.parameters.reading);
+            state.attempted = 0;
+            self.book_reading(state);
         }
         let wake = self.decide(state, code.is_some());
         state.asked = if wake.read { wake.again_in } else { u32::MAX };

@@ -14,7 +14,7 @@ const LITTLE: f32 = 100.0;
 /// Standard deviations of a comparison of map and storage from which it contradicts the gain, and such comparisons in turn after
 /// which the map is doubtful.
 const CONTRADICTS: f32 = 3.0;
-const CONTRADICTIONS: u32 = 3;
+pub(super) const CONTRADICTIONS: u32 = 3;
 
 impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Element>
     MapNode<W, M, P, ACTIONS, E>
@@ -36,14 +36,15 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         let (departure, both) = (ratio - state.gain, state.of_gain + of_ratio);
         if departure * departure > CONTRADICTS * CONTRADICTS * both {
             if state.motion.take().is_some() {
-                // It may be in the other motion.
+                // It may be in the other motion: the map says nothing before the next burst, which comes where the voltage is silent.
+                state.latest.miss();
                 return;
             }
             let side = u32::from(departure < 0.0);
             let is_same = state.contradictions % 2 == side;
             let is_other = state.contradictions > 1 && !is_same;
             let before = if is_same { state.contradictions } else { side };
-            state.contradictions = before.wrapping_add(2);
+            state.contradictions = before.saturating_add(2);
             if state.contradictions < 2 * CONTRADICTIONS {
                 // The next comparison comes now, not with the next check. Vibration that beats contradicts to either side: it waits.
                 state.is_asked |= !is_other;

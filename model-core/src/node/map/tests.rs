@@ -6,6 +6,7 @@ use crate::energy::response_map::{COLUMNS, LOWER, PARTS, ROWS, TAIL, UPPER, seal
 use crate::energy::{Capacitor, StorageParameters};
 use crate::node::voltage::tests::normal;
 use crate::node::{Converter, Regular, Tolerances, Verdict, VoltageParameters};
+use crate::snapshot::{self, SnapshotError};
 
 const RATE: u32 = 100;
 const UNIT: f64 = 9.806_65 / 1024.0;
@@ -288,6 +289,44 @@ fn the_storage_decides_which_of_two_motions_goes_on() {
     }
 }
 
+/// The power is then that of neither motion.
+#[test]
+fn a_motion_that_the_storage_contradicts_has_no_power_by_the_map_and_a_full_storage_asks_for_a_burst() {
+    let words = map();
+    let parameters = with(|of| {
+        of.voltage.storage.capacitor.capacitance = 10e-3;
+        of.bursts = Bursts { worth: 1000.0, check: 7200, ..of.bursts };
+        of.gain = 0.1;
+    });
+    let power = |second: u32| if second < 8000 { YIELDS[0] } else { 14e-6 };
+    let mut plant = Plant::new(node(&words, parameters), 2.5, |second| (BOTH, power(second)));
+    plant.state.ask_for_burst();
+    plant.run(8000);
+    plant.state.ask_for_burst();
+    plant.run(9000);
+    assert_eq!(plant.findings.last(), Some(&Finding::TwoMotionsOneSeen));
+    // The voltage tells: no other burst.
+    let (bursts, status) = (plant.state.bursts(), plant.node.status(&plant.state));
+    let Status { power, power_bound, source, .. } = status;
+    assert_eq!((plant.state.motion, source, bursts), (None, PowerSource::Voltage, 3));
+    assert!((power - 14e-6).abs() < power_bound, "{power} {power_bound}");
+    plant.energy = plant.at(4.5);
+    plant.run(9700);
+    assert_eq!(plant.state.bursts(), 4);
+}
+
+#[test]
+fn an_image_with_more_contradictions_than_are_counted_is_refused() {
+    let mut state = node(&map(), STATED).start(0);
+    let mut bytes = [0; 1000];
+    for (contradictions, is_sound) in [(5, true), (6, false), (u32::MAX, false)] {
+        state.contradictions = contradictions;
+        snapshot::save(&state, 0, &mut bytes).expect("room");
+        let restored = snapshot::restore::<OneState>(0, &bytes);
+        assert_eq!(restored, if is_sound { Ok(state) } else { Err(SnapshotError::NoState) });
+    }
+}
+
 #[test]
 fn a_harvester_that_has_aged_makes_the_map_doubtful_and_its_gain_is_learnt_anew() {
     let words = map();
@@ -327,7 +366,9 @@ fn a_burst_that_is_lost_or_damaged_has_no_value_and_the_next_one_waits() {
     let Task::Burst { samples } = wake.task else { panic!("{wake:?}") };
     assert_eq!(samples, 644);
     assert_eq!(node.samples(&mut state, &[1000; 100]), Progress::More(544));
-    assert_eq!(node.wake(&mut state, 2, None).task, Task::Burst { samples: 544 });
+    // A code has no use here, and is booked.
+    assert_eq!(node.wake(&mut state, 2, Some(3000)).task, Task::Burst { samples: 544 });
+    assert_eq!(state.voltage.readings(), 2);
     // Later than its end.
     let wake = node.wake(&mut state, 60, Some(3000));
     assert_eq!((wake.task, node.samples(&mut state, &[1000; 100])), (Task::Sleep, Progress::Idle));
@@ -337,10 +378,14 @@ fn a_burst_that_is_lost_or_damaged_has_no_value_and_the_next_one_waits() {
     node.samples_lost(&mut state);
     assert_eq!(node.samples(&mut state, &vec![1000; samples as usize]), Progress::Done(None));
     // Each call does a part, and a wake as well as one of samples.
-    let (mut woken, parts) = (state, [None, None, Some(Finding::Damaged)]);
+    let (mut woken, mut read, parts) = (state, state, [None, None, Some(Finding::Damaged)]);
     assert_eq!(parts.map(|_| node.samples(&mut state, &[])), parts.map(Progress::Done));
     let wakes = parts.map(|_| node.wake(&mut woken, 130, None));
     assert_eq!(wakes.map(|wake| wake.again_in > 0), parts.map(|part| part.is_some()));
+    let asks = parts.map(|_| node.wake(&mut read, 130, Some(3001)).read);
+    let spent = [&read, &woken].map(|state| node.spent_on_estimation(state));
+    assert_eq!((asks[..2].to_vec(), read.voltage.readings()), (vec![true; 2], woken.voltage.readings() + 3));
+    assert!((spent[0] - spent[1] - 3.0 * STATED.voltage.reading).abs() < 1e-10, "{spent:?}");
     // A reset within a burst.
     assert_eq!((node.wake(&mut state, 130, None), state), (wakes[2], woken));
     state.ask_for_burst();
