@@ -133,9 +133,11 @@ async fn sample<N: Tier, SPI: SpiDevice>(
         let time = 1_000_000 * u64::from(missing.min(BURST as u32)) / u64::from(sensor.rate().hertz());
         Timer::after_micros(time).await;
         let count = sensor.read_async(&mut samples).await?;
-        match node.samples(state, samples.get(..count).unwrap_or(&[])) {
-            Progress::More(samples) => missing = samples,
-            Progress::Done(_) | Progress::Idle => return Ok(()),
+        let mut left = samples.get(..count).unwrap_or(&[]);
+        while !left.is_empty() {
+            let Progress::More(samples) = node.samples(state, left) else { return Ok(()) };
+            left = left.get(missing.saturating_sub(samples) as usize..).unwrap_or(&[]);
+            missing = samples;
         }
     }
 }

@@ -235,9 +235,9 @@ impl<'a> World<'a> {
                 self.vibration.get(minute).map_or(0.0, |vibration| acceleration(vibration, minute, within));
             counts.push(((value + GRAVITY) / UNIT + NOISE_COUNTS * self.random.normal()).round() as i16);
         }
-        for burst in counts.chunks(170) {
-            let progress = strategy.samples(burst);
-            debug_assert!(progress != Progress::Idle);
+        let mut taken = 0;
+        while let Progress::More(missing) = strategy.samples(&counts[taken..counts.len().min(taken + 170)]) {
+            taken = counts.len() - missing as usize;
         }
         while strategy.samples(&[]) == Progress::Done(None) {}
         self.advance((f64::from(samples) / self.rate).ceil() as u32);

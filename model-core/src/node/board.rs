@@ -188,7 +188,7 @@ where
 
     /// Takes a burst of samples.
     #[inline(never)]
-    fn burst(&mut self, samples: u32) -> Step {
+    fn burst(&mut self, mut missing: u32) -> Step {
         if !self.is_sampling {
             self.is_sampling = true;
             if self.board.start_sensor().is_err() {
@@ -196,24 +196,29 @@ where
             }
         }
         let mut burst = [0; BURST];
-        let now = self.board.sleep(self.wake.again_in, samples.min(BURST as u32));
+        let now = self.board.sleep(self.wake.again_in, missing.min(BURST as u32));
         let mut found = None;
         while self.is_sampling {
             let Ok(count) = self.board.read_samples(&mut burst) else {
                 self.node.samples_lost(&mut self.state);
                 break;
             };
-            let burst = burst.get(..count).unwrap_or(&burst);
-            if burst.is_empty() {
+            let mut left = burst.get(..count).unwrap_or(&burst);
+            if left.is_empty() {
                 break;
             }
-            match self.node.samples(&mut self.state, burst) {
-                Progress::More(samples) => self.wake.task = Task::Burst { samples },
-                Progress::Done(finding) => {
-                    self.board.stop_sensor();
-                    (self.is_sampling, found) = (false, finding);
+            while !left.is_empty() {
+                match self.node.samples(&mut self.state, left) {
+                    Progress::More(samples) => {
+                        left = left.get(missing.saturating_sub(samples) as usize..).unwrap_or(&[]);
+                        (missing, self.wake.task) = (samples, Task::Burst { samples });
+                    }
+                    Progress::Done(finding) => {
+                        self.board.stop_sensor();
+                        (self.is_sampling, found, left) = (false, finding, &[]);
+                    }
+                    Progress::Idle => left = &[],
                 }
-                Progress::Idle => {}
             }
         }
         while !self.is_sampling

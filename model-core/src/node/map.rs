@@ -612,18 +612,15 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         let skipped = (burst.start_up as usize).min(samples.len());
         burst.start_up = burst.start_up.saturating_sub(skipped as u32);
         let valid = samples.get(skipped..).unwrap_or(&[]);
-        let mut left = valid.get(..burst.missing as usize).unwrap_or(valid);
+        let left = valid.get(..burst.missing as usize).unwrap_or(valid);
         let clipped = self.parameters.sensor.clipped;
         burst.blocks.is_damaged |= left.iter().any(|&sample| sample >= clipped || sample <= -clipped);
-        while !left.is_empty() {
-            let taken = self.bank.sum(&mut burst.bank, left);
+        let taken = self.bank.sum(&mut burst.bank, left);
+        if taken == 0 {
             // The block before these samples is full.
-            if taken == 0 && !self.evaluate_block(burst, voltage) {
-                break;
-            }
-            burst.missing = burst.missing.saturating_sub(taken as u32);
-            left = left.get(taken..).unwrap_or(&[]);
+            self.evaluate_block(burst, voltage);
         }
+        burst.missing = burst.missing.saturating_sub(taken as u32);
         burst.blocks.is_whole = burst.missing == 0;
         if burst.blocks.is_whole {
             return Progress::Done(None);

@@ -32,6 +32,7 @@ pub trait Tier: Configuration {
     fn wake_after(&self, state: &mut Self::State, gap: Outage, code: Option<u32>) -> Wake;
 
     /// Takes samples of a burst, in order, as many as the FIFO has. Of a burst that is complete it does a part of the evaluation and takes none.
+    /// At the end of a block before the last one it takes fewer than it is given, as [`Progress::More`] tells: give the others again.
     fn samples(&self, _state: &mut Self::State, _samples: &[i16]) -> Progress {
         Progress::Idle
     }
@@ -273,7 +274,7 @@ impl TickClock {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Progress {
-    /// So many samples are still missing.
+    /// So many samples are still missing: fewer than before by those taken.
     More(u32),
     /// The burst is complete: switch the sensor off, and wake. What it found is known after some more calls, without samples; a wake does
     /// in place of such a call what is left, a part at a time.

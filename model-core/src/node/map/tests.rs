@@ -7,6 +7,7 @@ use crate::energy::{Capacitor, StorageParameters};
 use crate::node::voltage::tests::normal;
 use crate::node::{Converter, Regular, Tolerances, Verdict, VoltageParameters};
 use crate::snapshot::{self, SnapshotError};
+use core::f64::consts::PI;
 
 const RATE: u32 = 100;
 const UNIT: f64 = 9.806_65 / 1024.0;
@@ -145,8 +146,12 @@ impl<'a, F: Fn(u32) -> (f64, f64)> Plant<'a, F> {
             let noise = if amplitude > 0.0 { 0.3 * normal(&mut self.random) } else { 0.0 };
             counts.push(((9.81 + amplitude * phase.sin()) / UNIT + noise).round() as i16);
         }
-        for part in counts.chunks(128) {
-            self.node.samples(&mut self.state, part);
+        let mut taken = 0;
+        while let Progress::More(missing) =
+            self.node.samples(&mut self.state, &counts[taken..counts.len().min(taken + 128)])
+        {
+            // A part of an evaluation, or samples: the work of a call is bounded.
+            taken = counts.len() - missing as usize;
         }
         while let Progress::Done(finding) = self.node.samples(&mut self.state, &[]) {
             self.findings.extend(finding);
@@ -325,6 +330,26 @@ fn an_image_with_more_contradictions_than_are_counted_is_refused() {
         let restored = snapshot::restore::<OneState>(0, &bytes);
         assert_eq!(restored, if is_sound { Ok(state) } else { Err(SnapshotError::NoState) });
     }
+}
+
+#[test]
+fn each_block_of_a_burst_is_evaluated_in_calls_that_take_no_samples() {
+    let words = map();
+    let node = node(&words, with(|of| of.sensor.blocks = 2));
+    let mut state = node.start(0);
+    state.ask_for_burst();
+    assert_eq!(node.wake(&mut state, 0, Some(3000)).task, Task::Burst { samples: 1284 });
+    let line = |n: usize| (1000.0 + HIGH / UNIT * (0.4 * PI * n as f64).sin()).round() as i16;
+    let samples: Vec<i16> = (0..1284).map(line).collect();
+    let mut missing = vec![];
+    let mut taken = 0;
+    while let Progress::More(left) = node.samples(&mut state, &samples[taken..(taken + 500).min(1284)]) {
+        missing.push(left);
+        taken = 1284 - left as usize;
+    }
+    assert_eq!(missing, [784, 640, 640, 640, 140]);
+    let parts = [(); 3].map(|()| node.samples(&mut state, &[]));
+    assert_eq!(parts, [None, None, Some(Finding::Line)].map(Progress::Done));
 }
 
 #[test]

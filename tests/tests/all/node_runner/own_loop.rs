@@ -43,14 +43,20 @@ impl Firmware {
                 let now = board.sleep(wake.again_in, samples.min(100));
                 let mut buffer = [0; 100];
                 let count = board.read_samples(&mut buffer).expect("it works");
-                match node.samples(state, &buffer[..count]) {
-                    Progress::More(samples) => wake.task = Task::Burst { samples },
-                    Progress::Done(_) => {
-                        board.stop_sensor();
-                        *is_sampling = false;
-                        *wake = node.wake(state, now, None);
+                let (mut missing, mut left) = (samples, &buffer[..count]);
+                while !left.is_empty() {
+                    match node.samples(state, left) {
+                        Progress::More(samples) => {
+                            left = &left[(missing - samples) as usize..];
+                            (missing, wake.task) = (samples, Task::Burst { samples });
+                        }
+                        Progress::Done(_) => {
+                            board.stop_sensor();
+                            (*is_sampling, left) = (false, &[]);
+                            *wake = node.wake(state, now, None);
+                        }
+                        Progress::Idle => panic!("a burst is under way"),
                     }
-                    Progress::Idle => panic!("a burst is under way"),
                 }
             }
         }
