@@ -21,7 +21,7 @@ const PARAMETERS: VoltageParameters<2> = VoltageParameters {
     intervals: [60, 300],   // s between readings: the longest, and where the storage fills up sooner
     tolerances: Tolerances { standing: 0.05, capacitance: 0.115, ..Tolerances::EXACT }, // measured to 5 %; a part of ±20 %
     largest_power: 100e-6, // W: no harvester of this kind gives more
-    reserve: 35e-3,        // J that actions leave: standing power times the longest rest
+    reserve: 35e-3,        // J that actions leave for the longest rest, leakage included: docs/node.md
     actions: [Regular { energy: 300e-6, every: 60 }, Regular { energy: 5e-3, every: 600 }], // J at the load, s
 };
 

@@ -65,17 +65,18 @@ pub struct Status {
     pub energy: f32,
     /// Bound of its error in J: infinite before the first reading, and after an outage that no clock knows.
     pub energy_bound: f32,
-    /// Seconds since that reading.
+    /// Seconds from that reading to the last wake.
     pub energy_age: u32,
     /// Energy in J between the lock-out and a storage that may be full, above 0.
     pub room: f32,
     /// Part of the room that has energy, 0 to 1.
     pub charge: f32,
-    /// Harvested power in W before the charging efficiency, at least 0.
+    /// Harvested power in W before the charging efficiency, at least 0: of a reading the mean since the one before, of a burst that of
+    /// its time. What has changed since is not in it, nor in its bound.
     pub power: f32,
     /// Bound of its error in W.
     pub power_bound: f32,
-    /// Seconds since the reading or the burst that it is by.
+    /// Seconds from the reading or the burst that it is by to the last wake.
     pub power_age: u32,
     /// By what the power is known.
     pub source: PowerSource,

@@ -96,7 +96,7 @@ impl Processor {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CostModel {
     pub processor: Processor,
-    /// The accelerometer. Its supply is switched off between bursts.
+    /// The accelerometer. Between bursts it takes nothing: a standby current belongs to the node's standing power.
     pub accelerometer: Accelerometer,
     /// Energy of a bit on the bus between them, in J, without instructions of the processor.
     pub transfer_per_bit: Figure,
