@@ -170,6 +170,14 @@ impl Comparison {
         row.error(self.kind.target.0)
     }
 
+    /// The same with as many digits, from two on, as show on which side of the target it is.
+    pub(crate) fn shown_error(&self, row: &Row) -> Option<String> {
+        let (error, target) = (self.error(row)?, self.target_error());
+        let reaches = |shown: f64| shown <= target;
+        let shown = |digits: usize| format!("{error:.digits$e}");
+        (1..17).map(shown).find(|text| text.parse().is_ok_and(|shown| reaches(shown) == reaches(error)))
+    }
+
     /// Whether a row is accurate enough to be compared by its run time.
     pub(crate) fn reaches_target(&self, row: &Row) -> bool {
         self.error(row).is_some_and(|error| error <= self.target_error())

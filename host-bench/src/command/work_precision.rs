@@ -314,7 +314,7 @@ fn errors(comparison: &Comparison) -> String {
             "method": method_name(&row.variant),
             "precision": precision.name(),
             "control": control_of(&row.variant),
-            "error": comparison.error(row),
+            "error": comparison.shown_error(row),
             "us_per_s": found.map(|found| found.ns_per_s / 1e3),
             "time_spread": found.and_then(|found| found.time_spread),
             "over_auto": found.map(|found| found.ns_per_s / of_auto),

@@ -73,6 +73,9 @@ impl Comparison {
         if let (Some((_, name, _)), None) = (first, &row.found) {
             cells.insert((*name).to_owned(), "fails (1)".into());
         }
+        if let Some(error) = self.shown_error(row) {
+            cells.insert(self.kind.target.0.to_owned(), error.into());
+        }
         Rows(vec![cells]).cells(columns).next().unwrap_or_default()
     }
 
