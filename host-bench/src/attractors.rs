@@ -104,7 +104,7 @@ pub(crate) struct End {
     pub(crate) power_w: f64,
     /// Standard error of the power in W.
     error_w: f64,
-    period: Option<usize>,
+    pub(crate) period: Option<usize>,
 }
 
 impl End {
@@ -179,24 +179,29 @@ pub(crate) fn failed(ends: &[End], starts: usize) -> Option<String> {
     })
 }
 
-/// The motions in which the runs from `starts` starts end, in the order of the first run of each.
-pub(crate) fn branches(ends: &[End], starts: usize) -> Vec<Branch> {
-    let mut found: Vec<(&End, usize)> = Vec::new();
+/// The ends of each motion, in the order of the first run of each.
+pub(crate) fn motions(ends: &[End]) -> Vec<Vec<&End>> {
+    let mut found: Vec<Vec<&End>> = Vec::new();
     for end in ends {
-        match found.iter_mut().find(|(first, _)| first.agrees(end)) {
-            Some((_, count)) => *count += 1,
-            None => found.push((end, 1)),
+        match found.iter_mut().find(|motion| motion[0].agrees(end)) {
+            Some(motion) => motion.push(end),
+            None => found.push(vec![end]),
         }
     }
-    let branch = |(end, count): (&End, usize)| Branch {
-        mean_power_w: Some(end.power_w),
-        period: end.period,
-        share: count as f64 / starts as f64,
+    found
+}
+
+/// The motions of the runs from `starts` starts.
+pub(crate) fn branches(motions: &[Vec<&End>], starts: usize) -> Vec<Branch> {
+    let branch = |motion: &Vec<&End>| Branch {
+        mean_power_w: Some(motion[0].power_w),
+        period: motion[0].period,
+        share: motion.len() as f64 / starts as f64,
         starts,
-        displacement_m: end.start[0],
-        velocity_m_per_s: end.start[1],
+        displacement_m: motion[0].start[0],
+        velocity_m_per_s: motion[0].start[1],
     };
-    found.into_iter().map(branch).collect()
+    motions.iter().map(branch).collect()
 }
 
 /// Seeks other motions of a scene that has given `outcome` by two displaced starts. If one seems to end elsewhere, all are
@@ -234,7 +239,7 @@ fn found(scene: &Scene, asked: &Options, outcome: &Outcome) -> Result<Option<Vec
     let later = settled(scene, outcome, scene.run.duration_s).ok_or(UNSETTLED)?;
     let starts = [own.start, starts[0], starts[1]];
     let found = ends(&later, asked, &starts, || ());
-    let branches = branches(&found, starts.len());
+    let branches = branches(&motions(&found), starts.len());
     if branches.len() > 1 { Ok(Some(branches)) } else { failed(&found, starts.len()).map_or(Ok(None), Err) }
 }
 
@@ -257,7 +262,7 @@ mod tests {
     fn a_start_whose_run_fails_agrees_with_none() {
         let end = |power_w: f64| End { start: [0.0; 2], power_w, error_w: 0.0, period: None };
         let ended = [end(1.0), end(1.001), end(3.0)];
-        let shares: Vec<f64> = branches(&ended, 4).iter().map(|branch| branch.share).collect();
+        let shares: Vec<f64> = branches(&motions(&ended), 4).iter().map(|branch| branch.share).collect();
         assert_eq!(shares, [0.5, 0.25]);
         assert!(failed(&ended, 4).is_some_and(|text| text.contains("1 of 4 runs failed")));
         assert_eq!(failed(&ended, 3), None);

@@ -5,8 +5,6 @@ mod series;
 
 use std::path::Path;
 
-use plotters::style::RGBColor;
-
 pub(crate) use self::series::Series;
 
 use crate::accuracy::has_own_steps;
@@ -213,13 +211,14 @@ pub(crate) fn picture(wanted: &Wanted<'_>, series: &[Series]) -> Result<Picture,
     Ok(Picture { title: wanted.title.to_owned(), width: WIDTH, charts, figure, text: String::new() })
 }
 
-fn coloured(series: &[Series]) -> impl Iterator<Item = (&Series, RGBColor)> {
-    series.iter().zip(COLOURS.into_iter().cycle())
-}
-
-/// The name of a run in a legend, which one run alone does not have.
-fn named(series: &[Series], one: &Series) -> String {
-    if series.len() > 1 { one.name.clone() } else { String::new() }
+/// The curve of each run with its name in a legend, which one run alone does not have.
+fn curves<P: Iterator<Item = (f64, f64)>>(
+    series: &[Series],
+    width: f64,
+    points: impl IntoIterator<Item = P>,
+) -> Vec<Curve> {
+    let name = |one: &Series| if series.len() > 1 { one.name.clone() } else { String::new() };
+    Curve::distinct(&COLOURS, (Mark::line, width), series.iter().map(name).zip(points))
 }
 
 /// A quantity over time; the first of them marks the impacts of a run alone.
@@ -231,13 +230,9 @@ fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) ->
     let all: Vec<Vec<(f64, f64)>> = series.iter().map(within).collect();
     let (word, unit) = number_and_unit(column);
     let (up, factor) = scaled(&word, unit, all.iter().flatten().map(|point| point.1));
-    let mut curves: Vec<Curve> = coloured(series)
-        .zip(all)
-        .map(|((one, colour), points)| {
-            let scaled = thinned(points).into_iter().map(|(time, value)| (time, factor * value));
-            Curve::new(named(series, one), colour, Mark::Line(1.4), scaled)
-        })
-        .collect();
+    let scaled =
+        |points: Vec<(f64, f64)>| thinned(points).into_iter().map(|(time, value)| (time, factor * value));
+    let mut curves = curves(series, 1.4, all.into_iter().map(scaled));
     if let ([one], true) = (series, first) {
         let marks: Vec<(f64, f64)> = one
             .impacts_s
@@ -246,7 +241,7 @@ fn history(wanted: &Wanted<'_>, series: &[Series], column: &str, first: bool) ->
             .filter_map(|instant| Some((*instant, factor * one.at(column, *instant)?)))
             .collect();
         if (1..=MOST_MARKS).contains(&marks.len()) {
-            curves.push(Curve::new("impact", BLACK, Mark::Dots(6.0), marks));
+            curves.push(Curve::new("impact", BLACK, Mark::point(0, 6.0), marks));
         }
     }
     let across = Axis::linear("time [s]", [from, to], 10);
@@ -260,14 +255,11 @@ fn phase(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let column = series.iter().find_map(Series::position)?;
     let (position, x_factor) = scaled(&number_and_unit(column).0, "m", values(1));
     let (velocity, y_factor) = scaled("velocity", "m/s", values(2));
-    let curves: Vec<Curve> = coloured(series)
-        .zip(all)
-        .map(|((one, colour), points)| {
-            let scaled = points.iter().map(|[_, x, y]| (x_factor * x, y_factor * y));
-            let times = points.iter().map(|[time, ..]| format!("time: {time:.6} s")).collect();
-            Curve { notes: times, ..Curve::new(named(series, one), colour, Mark::Line(1.1), scaled) }
-        })
-        .collect();
+    let scaled = all.iter().map(|points| points.iter().map(|[_, x, y]| (x_factor * x, y_factor * y)));
+    let mut curves = curves(series, 1.1, scaled);
+    for (curve, points) in curves.iter_mut().zip(&all) {
+        curve.notes = points.iter().map(|[time, ..]| format!("time: {time:.6} s")).collect();
+    }
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let span = range(points().map(|point| point.0)).into();
     points().next()?;
@@ -320,16 +312,11 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     let last = all.iter().flatten().filter(|line| is_seen(line)).map(|line| line.0).fold(0.0, f64::max);
     let end = if wanted.is_up_to_highest { f64::INFINITY } else { 1.2 * last };
     all.iter_mut().for_each(|points| points.retain(|line| line.0 <= end));
-    let mut curves: Vec<Curve> = coloured(series)
-        .zip(all)
-        .map(|((one, colour), points)| {
-            let scaled = points
-                .into_iter()
-                .filter(|(frequency, _)| *frequency > 0.0 || !has(LogAxis::X))
-                .map(|(frequency, value)| (frequency, (factor * value).max(floor)));
-            Curve::new(named(series, one), colour, Mark::Line(1.1), scaled)
-        })
-        .collect();
+    let scaled = all.iter().map(|points| {
+        let points = points.iter().filter(|(frequency, _)| *frequency > 0.0 || !has(LogAxis::X));
+        points.map(|(frequency, value)| (*frequency, (factor * value).max(floor)))
+    });
+    let mut curves = curves(series, 1.1, scaled);
     let frequencies = || curves.iter().flat_map(|curve| &curve.points).map(|point| point.0);
     // The last line is whole.
     let ends = [frequencies().fold(f64::INFINITY, f64::min), 1.02 * frequencies().fold(0.0, f64::max)];
@@ -337,7 +324,7 @@ fn lines(wanted: &Wanted<'_>, series: &[Series]) -> Option<Chart> {
     if let Some(noise) = noise {
         let level = (factor * noise).max(floor);
         let name = noise_floor(noise, largest, unit);
-        curves.push(Curve::new(name, BLACK, Mark::Dashes(1.2), ends.map(|frequency| (frequency, level))));
+        curves.push(Curve::new(name, BLACK, Mark::line(1, 1.2), ends.map(|frequency| (frequency, level))));
     }
     let bottom = if has(LogAxis::Y) { 0.5 * floor } else { 0.0 };
     let up = Axis::scaled(has(LogAxis::Y), name, [bottom, 1.3 * factor * largest]);

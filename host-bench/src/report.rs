@@ -111,9 +111,9 @@ pub(crate) fn report(comparisons: &[Comparison]) -> Result<String, Failure> {
 fn summary(comparison: &Comparison) -> String {
     let fastest = |method: Method| match comparison.fastest(|variant| variant.method == method) {
         Some((row, found)) => format!(
-            "{:.0} µs at an error of {:.1e} ({})",
+            "{:.0} µs at an error of {} ({})",
             found.ns_per_s / 1e3,
-            comparison.error(row).unwrap_or(f64::NAN),
+            comparison.shown_error(row).unwrap_or_default(),
             comparison.cells(row)[..comparison.kind.words].join(", ")
         ),
         None => "no row reaches it".to_owned(),
@@ -139,7 +139,7 @@ pub(crate) fn short_chart(comparison: &Comparison) -> Chart {
     let mut chart = chart(comparison);
     chart.curves.retain(|curve| !curve.name.ends_with("f32"));
     for curve in &mut chart.curves {
-        curve.mark = Mark::Dots(8.0);
+        curve.mark = Mark::point(0, 8.0);
         curve.name = curve.name.replace(", f64", "");
     }
     let points = || chart.curves.iter().flat_map(|curve| &curve.points);
@@ -147,7 +147,7 @@ pub(crate) fn short_chart(comparison: &Comparison) -> Chart {
     (chart.across.span, chart.up.span) = (spans[0], spans[1]);
     let asked = comparison.target_error();
     let line = spans[0].map(|time| (time, asked));
-    chart.curves.push(Curve::new(format!("asked: {asked:.0e}"), svg::BLACK, Mark::Dashes(1.0), line));
+    chart.curves.push(Curve::new(format!("asked: {asked:.0e}"), svg::BLACK, Mark::line(1, 1.0), line));
     Chart { title: String::new(), ..chart }
 }
 
@@ -166,7 +166,7 @@ fn chart(comparison: &Comparison) -> Chart {
             let is_single = row.variant.precision == Precision::F32;
             // Of auto, one row, a wider mark than that of the method which it takes.
             let wide = if row.variant.method == Method::Auto { 14.0 } else { 8.0 };
-            let mark = if is_single { Mark::Ringed([2.0, wide]) } else { Mark::Dotted([2.0, wide]) };
+            let mark = Mark::dotted(usize::from(is_single), [2.0, wide]);
             curves.push(Curve::new(name, colour(&row.variant), mark, []));
             curves.len() - 1
         });

@@ -190,29 +190,24 @@ fn points(
 /// Power over the load at both resonances, and over the capacitor in some cycles, with what was measured.
 pub(crate) fn picture() -> Result<Picture, Failure> {
     let mut curves = Vec::new();
-    for ((name, _, load, power), (hz, colour)) in
-        BIMORPH.into_iter().zip(resonances()?.into_iter().zip([BLUE, VERMILION]))
-    {
+    let shown = resonances()?.into_iter().zip([BLUE, VERMILION]).enumerate();
+    for ((name, _, load, power), (at, (hz, colour))) in BIMORPH.into_iter().zip(shown) {
         let model = points(LOADS, 121, |load| Ok(1e3 * peak_power(load, hz)?))?;
-        curves.push(Curve::new(
-            format!("{name}-circuit resonance, {hz:.1} Hz"),
-            colour,
-            Mark::Line(1.6),
-            model,
-        ));
-        curves.push(Curve::new("measured", colour, Mark::Dots(8.0), [(load, 1e3 * power)]));
+        let name = format!("{name}-circuit resonance, {hz:.1} Hz");
+        curves.push(Curve::new(name, colour, Mark::line(at, 1.6), model));
+        curves.push(Curve::new("measured", colour, Mark::point(at, 8.0), [(load, 1e3 * power)]));
     }
     let up = Axis::linear("peak power [mW/g²]", FROM_ZERO, 6);
     let loads = Chart::new("Erturk and Inman's bimorph", Axis::logarithmic("load [Ω]", LOADS), up, curves);
     let capacitors = [50.0, 5000.0];
-    let mut curves = Vec::new();
-    for (cycle, colour) in [1, 2, 3, 7].into_iter().zip(COLOURS) {
+    let cycles = [1, 2, 3, 7].into_iter().map(|cycle| {
         let power = |picofarads: f64| Ok(1e6 * cycle_power(1e-12 * picofarads, POWERS[0].0, 0.0, cycle)?);
-        let model = points(capacitors, 41, power)?;
-        curves.push(Curve::new(format!("cycle {cycle}"), colour, Mark::Line(1.6), model));
-    }
+        Ok((format!("cycle {cycle}"), points(capacitors, 41, power)?))
+    });
+    let cycles = cycles.collect::<Result<Vec<_>, Failure>>()?;
+    let mut curves = Curve::distinct(&COLOURS, (Mark::line, 1.6), cycles);
     let measured = [(1e12 * BEST_F, 1e6 * POWERS[0].1)];
-    curves.push(Curve::new("measured, cycle 2", COLOURS[1], Mark::Dots(8.0), measured));
+    curves.push(Curve::new("measured, cycle 2", COLOURS[1], Mark::point(0, 8.0), measured));
     let across = Axis::logarithmic("capacitor [pF]", capacitors);
     let up = Axis::linear("power at 1.7 Hz [µW]", FROM_ZERO, 6);
     let cycles = Chart::new("The device of Hosseini et al., discharged in touch", across, up, curves);

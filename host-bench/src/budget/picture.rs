@@ -34,7 +34,7 @@ fn chart(title: &str, up: &str, curves: Vec<Curve>) -> Chart {
 
 /// A dashed line over the day.
 fn level(name: &str, colour: RGBColor, height: f64) -> Curve {
-    Curve::new(name, colour, Mark::Dashes(1.0), [(0.0, height), (HOURS as f64, height)])
+    Curve::new(name, colour, Mark::line(1, 1.0), [(0.0, height), (HOURS as f64, height)])
 }
 
 /// The value of each hour as steps.
@@ -51,9 +51,9 @@ fn hour(sample: &Sample) -> f64 {
 fn stored(day: &NodeDay) -> Chart {
     let points = day.samples.iter().map(|sample| (hour(sample), 1e3 * sample.stored_j));
     let curves = vec![
-        Curve::new("stored", BLUE, Mark::Line(2.0), points),
+        Curve::new("stored", BLUE, Mark::line(0, 2.0), points),
         level("full", BLACK, 1e3 * day.capacity_j),
-        Curve { mark: Mark::Line(1.0), ..level("lock-out", VERMILION, 1e3 * day.turn_off_j) },
+        Curve { mark: Mark::line(0, 1.0), ..level("lock-out", VERMILION, 1e3 * day.turn_off_j) },
     ];
     chart("Storage", "stored energy [mJ]", curves)
 }
@@ -64,7 +64,7 @@ fn income(day: &NodeDay) -> Chart {
         [before, after] => vec![(hour(before), 1e6 * after.income_w), (hour(after), 1e6 * after.income_w)],
         _ => Vec::new(),
     });
-    let curves = vec![Curve::new("", BLUE, Mark::Line(2.0), intervals)];
+    let curves = vec![Curve::new("", BLUE, Mark::line(0, 2.0), intervals)];
     chart("Harvester", "harvested power [µW]", curves)
 }
 

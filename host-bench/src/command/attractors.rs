@@ -1,18 +1,21 @@
 //! `attractors`: the steady motions to which starts of a scene lead.
 
+use std::cmp::Reverse;
 use std::path::PathBuf;
 
 use comfy_table::presets;
 
 use super::files::Outputs;
-use super::sweep::picture::{Labels, Quantity, picture};
+use super::sweep::picture::{Labels, Quantity, kinds, picture};
 use super::sweep::{Axis, values};
 use super::{NODE, SceneArguments, check_overrides, count, one_more, print, with_progress};
 use crate::accuracy::{Statements, print_warnings, run_as_it_is};
-use crate::attractors::{self, Place, UNSETTLED, branches, ends, failed, settled};
+use crate::attractors::{self, End, Place, UNSETTLED, branches, ends, failed, motions, settled};
 use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::{Branch, Fields, Format, Outcome, fields};
+use crate::report::chart::MARKS;
+use crate::report::setting::with_unit;
 use crate::rows::{Digits, Rows};
 use crate::run::{run_scene, try_each};
 use crate::scene_file;
@@ -64,8 +67,9 @@ pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
     let grid = (0..side * side).map(|index| values(&axes, index)).map(|at| [at[1], at[0]]);
     let starts: Vec<[f64; 2]> = std::iter::once(start(&later)).chain(grid).collect();
     let ends = with_progress(starts.len(), |bar| ends(&later, options, &starts, || one_more(bar)));
-    let mut found = branches(&ends, starts.len());
-    found.sort_by(|one, other| other.share.total_cmp(&one.share));
+    let mut motions = motions(&ends);
+    motions.sort_by_key(|motion| Reverse(motion.len()));
+    let found = branches(&motions, starts.len());
     let stated = |branch: &Branch| {
         let from = started(&later, [branch.displacement_m, branch.velocity_m_per_s]);
         run_as_it_is(&from, &attractors::options(&later, options))
@@ -73,18 +77,31 @@ pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
     let outcomes = try_each(&found, stated)?;
     let doubts: Vec<String> = unsettled.into_iter().chain(failed(&ends, starts.len())).collect();
     if let Some(path) = &arguments.picture {
-        let power = |start: &[f64; 2]| Some(ends.iter().find(|end| end.start == *start)?.power_w);
-        let powers = starts.iter().skip(1).map(power).collect();
-        let quantity = Quantity { name: "mean power", unit: "W", values: powers };
         let title = Name::of_file(file).line();
-        let words = Labels { title: &title, without: "the run failed", marked: (&[], "") };
-        if let Some(picture) = picture(words, &axes, &[quantity]) {
+        let picture = if motions.len() <= MARKS {
+            Some(kinds(&title, &axes, motions.iter().map(|motion| basin(motion, starts.len()))))
+        } else {
+            let power = |start: &[f64; 2]| Some(ends.iter().find(|end| end.start == *start)?.power_w);
+            let powers = starts.iter().skip(1).map(power).collect();
+            let quantity = Quantity { name: "mean power", unit: "W", values: powers };
+            let words = Labels { title: &title, without: "the run failed", marked: (&[], "") };
+            picture(words, &axes, &[quantity])
+        };
+        if let Some(picture) = picture {
             outputs.keep(path, picture.of_file(path)?);
         }
     }
     print_warnings(&Statements::of(&outcomes).fields(&doubts));
     print(&text(&found, &outcomes, &doubts, *format))?;
     outputs.ended()
+}
+
+/// What a motion is called, and the starts that lead to it, with the last axis first.
+fn basin(motion: &[&End], starts: usize) -> (String, Vec<[f64; 2]>) {
+    let period = motion[0].period.map_or_else(String::new, |period| format!(", period {period}"));
+    let power = with_unit(motion[0].power_w, "W");
+    let name = format!("{power}{period}, {} of {starts} starts", motion.len());
+    (name, motion.iter().map(|end| end.start).collect())
 }
 
 const COLUMNS: [&str; 7] =

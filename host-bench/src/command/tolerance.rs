@@ -220,19 +220,15 @@ impl<'a> Found<'a> {
             Curve::new(named(name, value), colour, mark, ends)
         };
         let line = sorted.iter().map(|value| (factor * value, share(*value)));
-        let mut curves = vec![Curve::new("", BLUE, Mark::Line(1.8), line)];
-        curves.extend(
-            PERCENTILES
-                .iter()
-                .zip([(GREEN, Mark::Rings(9.0)), (BLACK, Mark::Dots(9.0)), (GREEN, Mark::Rings(9.0))])
-                .map(|((name, part), (colour, mark))| {
-                    let value = percentile(sorted, *part);
-                    Curve::new(named(name, value), colour, mark, [(factor * value, *part)])
-                }),
-        );
-        curves.extend(nominal.map(|value| upright("nominal", VERMILION, Mark::Line(1.2), value)));
+        let mut curves = vec![Curve::new("", BLUE, Mark::line(0, 1.8), line)];
+        let percentiles = PERCENTILES.iter().map(|(name, part)| {
+            let value = percentile(sorted, *part);
+            (named(name, value), [(factor * value, *part)])
+        });
+        curves.extend(Curve::distinct(&[GREEN, BLACK], (Mark::point, 9.0), percentiles));
+        curves.extend(nominal.map(|value| upright("nominal", VERMILION, Mark::line(0, 1.2), value)));
         let wished = self.arguments.at_least;
-        curves.extend(wished.map(|value| upright("wished", BLACK, Mark::Dashes(1.2), value)));
+        curves.extend(wished.map(|value| upright("wished", BLACK, Mark::line(1, 1.2), value)));
         let across = |title: &str, curves: &[Curve]| {
             let all = curves.iter().flat_map(|curve| &curve.points).map(|point| point.0);
             Axis::linear(title, range(all).into(), 6)
@@ -251,8 +247,8 @@ impl<'a> Found<'a> {
             let samples = values.iter().copied().zip(self.values.iter().copied()).map(place);
             let nominal = nominal.map(|value| place((key.nominal, value)));
             let curves = vec![
-                Curve::new("samples", BLUE, Mark::Dots(4.0), samples),
-                Curve::new("nominal", VERMILION, Mark::Rings(11.0), nominal),
+                Curve::new("samples", BLUE, Mark::point(0, 4.0), samples),
+                Curve::new("nominal", VERMILION, Mark::point(1, 11.0), nominal),
             ];
             let across = across(&key_title, &curves);
             Chart {

@@ -18,10 +18,14 @@ const POINTS: usize = 20_000;
 /// The picture with the numbers below.
 pub(crate) fn picture(found: &FitResult, title: &str) -> Result<Picture, Failure> {
     let columns = &found.curves[..found.curves.len().min(MOST)];
+    // A file is named once, above its first column.
+    let is_first = |at: usize| at == 0 || columns[at - 1].file != columns[at].file;
+    let charts = columns.iter().enumerate();
+    let charts = charts.flat_map(|(at, column)| [data(column, is_first(at)), residuals(column)]).collect();
     Ok(Picture {
         title: format!("Fit of {title}"),
         width: 900,
-        charts: columns.iter().flat_map(|column| [data(column), residuals(column)]).collect(),
+        charts,
         text: super::text(found, Format::Table)?,
         ..Picture::default()
     })
@@ -63,7 +67,7 @@ fn named(word: &str, group: &str) -> String {
 }
 
 /// Measured points with their standard deviations, and the model as lines.
-fn data(column: &Column) -> Chart {
+fn data(column: &Column, is_first: bool) -> Chart {
     let (title, factor) = named_unit(&column.column, column.measured.iter().copied());
     let mut curves = Vec::new();
     for (index, Shown { rows, colours, name }) in shown(column).enumerate() {
@@ -71,14 +75,16 @@ fn data(column: &Column) -> Chart {
             Some(line) => line.iter().map(|&(x, y)| (x, factor * y)).collect(),
             None => rows.iter().map(|&row| (column.x[row], factor * column.model[row])).collect(),
         };
-        let line = Curve::new(named("model", name), colours[1], Mark::Line(1.2), line);
+        let line = Curve::new(named("model", name), colours[1], Mark::line(index, 1.2), line);
         curves.push(if column.is_trace { line } else { line.broken_at_jumps() });
         let points = rows.iter().map(|&row| (column.x[row], factor * column.measured[row]));
-        let dots = Curve::new(named("measured", name), colours[0], Mark::Dots(5.0), points);
+        let dots = Curve::new(named("measured", name), colours[0], Mark::point(index, 5.0), points);
         curves.push(Curve { bars: bars(column, &rows, factor), ..dots });
     }
-    let up = Axis::linear(title, FITTING, 6);
-    Chart::new(column.file.as_str(), across(column), up, curves).grouped(&column.file, 340)
+    let word = title.split(" [").next().unwrap_or_default();
+    let title_of_chart = if is_first { format!("{}: {word}", column.file) } else { word.to_owned() };
+    let up = Axis::linear(title.as_str(), FITTING, 6);
+    Chart::new(title_of_chart, across(column), up, curves).grouped(&column.file, 340)
 }
 
 /// The standard deviations of some rows; none where the column has none.
@@ -94,10 +100,10 @@ fn residuals(column: &Column) -> Chart {
     let (title, factor) = named_unit(&column.column, [most].into_iter());
     let unit = title.find('[').map_or("", |at| &title[at..]);
     let across = across(column);
-    let level = Curve::new("", BLACK, Mark::Line(1.0), across.span.map(|x| (x, 0.0)));
-    let dots = shown(column).map(|Shown { rows, colours, name }| {
+    let level = Curve::new("", BLACK, Mark::line(0, 1.0), across.span.map(|x| (x, 0.0)));
+    let dots = shown(column).enumerate().map(|(index, Shown { rows, colours, name })| {
         let points = rows.iter().map(|&row| (column.x[row], factor * difference(row)));
-        let dots = Curve::new(name, colours[0], Mark::Dots(5.0), points);
+        let dots = Curve::new(name, colours[0], Mark::point(index, 5.0), points);
         Curve { bars: bars(column, &rows, factor), ..dots }
     });
     let end = if most > 0.0 { 1.1 * factor * most } else { 1.0 };

@@ -135,8 +135,8 @@ fn boundaries(map: &Map, slice: usize) -> Vec<Curve> {
     let [rising, falling] = [|column: &Column| column.rising, |column: &Column| column.falling]
         .map(|of| columns.iter().map(of).collect::<Vec<f64>>());
     vec![
-        curve("the lower motion ends as the amplitude rises", Mark::Line(2.0), rising),
-        curve("the upper motion ends as the amplitude falls", Mark::Dashes(2.0), falling),
+        curve("the lower motion ends as the amplitude rises", Mark::line(0, 2.0), rising),
+        curve("the upper motion ends as the amplitude falls", Mark::line(1, 2.0), falling),
     ]
 }
 
@@ -148,8 +148,8 @@ fn places(map: &Map, slice: usize) -> Vec<Curve> {
         let noted = of_slice.map(|judged| (at(map, judged), note(judged)));
         Curve::noted(name, colour, mark, noted).map(|curve| Curve { is_hidden: true, ..curve })
     };
-    let holds = curve("checked: the bounds hold", BLACK, Mark::Dots(5.0), true);
-    let fails = curve("checked: the bounds do not hold", VERMILION, Mark::Rings(9.0), false);
+    let holds = curve("checked: the bounds hold", BLACK, Mark::point(0, 5.0), true);
+    let fails = curve("checked: the bounds do not hold", VERMILION, Mark::point(1, 9.0), false);
     holds.into_iter().chain(fails).collect()
 }
 

@@ -63,7 +63,7 @@ fn curve(found: &Optimum, shown: &Shown<'_>, key: &Range) -> Chart {
     let mut points: Vec<(&Point, (f64, f64))> =
         found.points.iter().filter_map(|point| Some((point, place(point)?))).collect();
     points.sort_by(|one, other| one.1.0.total_cmp(&other.1.0));
-    let line = Curve::new("", BLUE, Mark::Line(1.2), points.iter().map(|(_, place)| *place));
+    let line = Curve::new("", BLUE, Mark::line(0, 1.2), points.iter().map(|(_, place)| *place));
     let feasible = |is_feasible: bool| {
         points.iter().filter(move |(point, _)| point.feasible().is_some() == is_feasible).copied()
     };
@@ -71,10 +71,10 @@ fn curve(found: &Optimum, shown: &Shown<'_>, key: &Range) -> Chart {
     let others = found.others.iter().filter_map(|(point, _)| Some((point, place(point)?)));
     let curves = [
         Some(line.broken_at_jumps()),
-        dots(shown, ("runs", BLUE, Mark::Dots(6.0)), feasible(true)),
-        dots(shown, ("runs that break a constraint", BLACK, Mark::Rings(6.0)), feasible(false)),
-        dots(shown, ("other optima", BLACK, Mark::Rings(11.0)), others.into_iter()),
-        dots(shown, ("the best point", VERMILION, Mark::Dots(11.0)), best.into_iter()),
+        dots(shown, ("runs", BLUE, Mark::point(0, 6.0)), feasible(true)),
+        dots(shown, ("runs that break a constraint", BLACK, Mark::point(1, 6.0)), feasible(false)),
+        dots(shown, ("other optima", BLACK, Mark::point(1, 11.0)), others.into_iter()),
+        dots(shown, ("the best point", VERMILION, Mark::point(0, 11.0)), best.into_iter()),
     ];
     let up = Axis::linear(quantity.as_str(), FITTING, 7);
     Chart { height: 420, ..Chart::new("", across, up, curves.into_iter().flatten().collect()) }
@@ -103,9 +103,9 @@ fn map(found: &Optimum, shown: &Shown<'_>, keys: [&Range; 2]) -> Chart {
     let best = std::iter::once((&found.best, place(&found.best)));
     let optima = found.others.iter().map(|(point, _)| (point, place(point)));
     let curves = [
-        dots(shown, ("runs between the points and of the searches", BLACK, Mark::Dots(2.5)), searched),
-        dots(shown, ("other optima", BLACK, Mark::Rings(13.0)), optima),
-        dots(shown, ("the best point", VERMILION, Mark::Dots(13.0)), best),
+        dots(shown, ("runs between the points and of the searches", BLACK, Mark::point(0, 2.5)), searched),
+        dots(shown, ("other optima", BLACK, Mark::point(1, 13.0)), optima),
+        dots(shown, ("the best point", VERMILION, Mark::point(0, 13.0)), best),
     ];
     chart.curves.extend(curves.into_iter().flatten());
     let notes = [
@@ -136,10 +136,10 @@ fn history(found: &Optimum, shown: &Shown<'_>) -> Chart {
     let broken = of(true, false).chain(of(false, false));
     let curves = [
         // Below the runs, which the pointer then finds first.
-        Some(Curve::new("the best so far", VERMILION, Mark::Line(1.6), steps.flatten())),
-        dots(shown, ("grid", BLUE, Mark::Dots(5.0)), of(true, true)),
-        dots(shown, ("searches", GREEN, Mark::Rings(5.0)), of(false, true)),
-        dots(shown, ("runs that break a constraint", BLACK, Mark::Dots(2.5)), broken),
+        Some(Curve::new("the best so far", VERMILION, Mark::line(0, 1.6), steps.flatten())),
+        dots(shown, ("grid", BLUE, Mark::point(0, 5.0)), of(true, true)),
+        dots(shown, ("searches", GREEN, Mark::point(1, 5.0)), of(false, true)),
+        dots(shown, ("runs that break a constraint", BLACK, Mark::point(0, 2.5)), broken),
     ];
     let across = Axis::linear("run", [1.0, found.points.len() as f64], 8);
     let up = Axis::linear(quantity.as_str(), FITTING, 6);

@@ -91,44 +91,52 @@ impl Axis {
     }
 }
 
+/// How a curve is drawn: a line through its points, a sign at each of them, or both.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Mark {
-    /// A line through the points, of this width.
-    Line(f64),
-    /// A dashed line through them, of this width.
-    Dashes(f64),
-    /// A dot for each, of this diameter.
-    Dots(f64),
-    /// A ring around each, of this diameter.
-    Rings(f64),
-    /// A line of this width with a dot of this diameter at each.
-    Dotted([f64; 2]),
-    /// A dashed line with rings.
-    Ringed([f64; 2]),
+pub(crate) struct Mark {
+    /// The width of the line; 0 of an unbroken one, or one more than the index of its dashes.
+    pub(super) line: Option<(f64, usize)>,
+    /// The size of the signs; 0 of a dot, 1 of a ring, or two more than the index of a polygon.
+    pub(super) point: Option<(f64, usize)>,
 }
 
+/// Lengths in pixels of dashes and of the gaps behind them.
+pub(super) const DASHES: [&str; 5] = ["7 5", "2 4", "14 4 2 4", "16 6", "9 3 2 3 2 3"];
+/// The corners of a square, a cross, a triangle and a lozenge, to the right and down, in half of their size.
+pub(super) const SIGNS: [&[[f64; 2]]; 4] = [
+    &[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9], [-0.9, -0.9]],
+    &[[-1.0, -1.0], [1.0, 1.0], [0.0, 0.0], [1.0, -1.0], [-1.0, 1.0]],
+    &[[0.0, -1.2], [1.1, 0.8], [-1.1, 0.8], [0.0, -1.2]],
+    &[[-1.2, 0.0], [0.0, -1.2], [1.2, 0.0], [0.0, 1.2], [-1.2, 0.0]],
+];
+/// Curves or points of one chart whose marks differ.
+pub(crate) const MARKS: usize = 2 + SIGNS.len();
+
 impl Mark {
-    /// The mark of the line, and that of each point.
-    pub(super) fn parts(self) -> [Option<Self>; 2] {
-        match self {
-            Self::Line(_) | Self::Dashes(_) => [Some(self), None],
-            Self::Dots(_) | Self::Rings(_) => [None, Some(self)],
-            Self::Dotted([line, dot]) => [Some(Self::Line(line)), Some(Self::Dots(dot))],
-            Self::Ringed([line, dot]) => [Some(Self::Dashes(line)), Some(Self::Rings(dot))],
-        }
+    /// The line of a curve among others, by its number: its dashes tell it to those who do not see its colour.
+    pub(crate) const fn line(number: usize, width: f64) -> Self {
+        Self { line: Some((width, number % MARKS)), point: None }
     }
 
-    /// The line of a curve among others, by its number: every other one is dashed, for those who do not see its colour.
-    pub(crate) fn line(number: usize, width: f64) -> Self {
-        if number.is_multiple_of(2) { Self::Line(width) } else { Self::Dashes(width) }
+    /// The signs of the points of one kind among others, by its number.
+    pub(crate) const fn point(number: usize, size: f64) -> Self {
+        Self { line: None, point: Some((size, number % MARKS)) }
     }
 
-    /// Width or diameter of one of its parts.
+    /// Both: a line of this width with a dot of this diameter at each point; a dashed one with rings by the number 1.
+    pub(crate) const fn dotted(number: usize, [line, dot]: [f64; 2]) -> Self {
+        Self { point: Self::point(number, dot).point, ..Self::line(number, line) }
+    }
+
+    /// The line alone, and the signs alone, as far as there are any.
+    pub(super) fn parts(self) -> impl Iterator<Item = Self> {
+        let parts = [Self { point: None, ..self }, Self { line: None, ..self }];
+        parts.into_iter().filter(|part| part.line.or(part.point).is_some())
+    }
+
+    /// The width of the line, or the size of signs alone.
     pub(super) fn size(self) -> f64 {
-        match self {
-            Self::Line(size) | Self::Dashes(size) | Self::Dots(size) | Self::Rings(size) => size,
-            Self::Dotted([line, _]) | Self::Ringed([line, _]) => line,
-        }
+        self.line.or(self.point).map_or(0.0, |(size, _)| size)
     }
 }
 
@@ -161,6 +169,18 @@ impl Curve {
         let points = points.into_iter().collect();
         let (bars, notes) = (Vec::new(), Vec::new());
         Self { name: name.into(), colour, mark, points, bars, notes, is_hidden: false }
+    }
+
+    /// Those of one kind by their names and points, told apart by colours and by the marks of this size of their numbers.
+    pub(crate) fn distinct<N: Into<String>, P: IntoIterator<Item = (f64, f64)>>(
+        colours: &[RGBColor],
+        (mark, size): (fn(usize, f64) -> Mark, f64),
+        named: impl IntoIterator<Item = (N, P)>,
+    ) -> Vec<Self> {
+        let numbered = named.into_iter().zip(colours.iter().cycle()).enumerate();
+        numbered
+            .map(|(at, ((name, points), colour))| Self::new(name, *colour, mark(at, size), points))
+            .collect()
     }
 
     /// Points with a note each; nothing without a point.

@@ -66,6 +66,7 @@ function cell(field, x, y) {
   });
   return lines.join("\n");
 }
+const dashes = ({ dash }) => (dash?.split(" ") ?? []).map(Number);
 const width = () => Math.min(1120, document.documentElement.clientWidth - 40);
 
 for (const [index, one] of charts.entries()) {
@@ -110,6 +111,7 @@ for (const [index, one] of charts.entries()) {
       ctx.strokeStyle = edge ? "#fff" : curve.colour;
       ctx.lineWidth = (curve.line + edge) * window.devicePixelRatio;
       ctx.lineJoin = "round";
+      ctx.setLineDash(edge ? [] : dashes(curve).map((length) => length * window.devicePixelRatio));
       ctx.beginPath();
       let isOn = false;
       curve.x.forEach((x, row) => {
@@ -121,6 +123,17 @@ for (const [index, one] of charts.entries()) {
       ctx.stroke();
     });
   });
+  const filled = (curve) => (curve.sign ? { paths: signs(curve) } : { fill: curve.ring ? "#fff" : curve.colour });
+  // The polygon of a sign around each point.
+  const signs = ({ sign, dot }) => (chart, series, from, to) => {
+    const [stroke, half] = [new Path2D(), 0.45 * dot * window.devicePixelRatio];
+    for (let row = from; row <= to; row += 1) {
+      const [x, y] = [chart.data[0][row], chart.data[series][row]];
+      const [left, top] = [chart.valToPos(x, "x", true), chart.valToPos(y, "y", true)];
+      if (y != null) sign.forEach(([right, down], at) => stroke[at ? "lineTo" : "moveTo"](left + half * right, top + half * down));
+    }
+    return { stroke, flags: 3 };
+  };
   // Half the length of each bar above and below its point.
   const bars = (chart) => clipped(chart, (ctx, bbox) => {
     one.curves.forEach((curve, at) => {
@@ -179,11 +192,11 @@ for (const [index, one] of charts.entries()) {
         stroke: curve.colour,
         width: curve.line,
         value: (_, value) => digits(value),
-        ...(curve.dashed ? { dash: [7, 5] } : {}),
+        dash: dashes(curve),
         ...(curve.line > 0 ? {} : { paths: () => null }),
         points:
           curve.dot > 0
-            ? { show: true, size: curve.dot, fill: curve.ring ? "#fff" : curve.colour, width: curve.ring ? 1.6 : 1 }
+            ? { show: true, size: curve.dot, width: curve.ring || curve.sign ? 1.6 : 1, ...filled(curve) }
             : { show: false },
       })),
     ],
@@ -210,10 +223,13 @@ for (const [index, one] of charts.entries()) {
   });
   // The mark before a name is that of its curve: a line, dashes, a dot or a ring.
   const rows = [...place.querySelectorAll(".u-series")].slice(-one.curves.length);
-  one.curves.forEach(({ dot, ring, dashed, colour }, at) => {
+  one.curves.forEach(({ dot, ring, sign, dash, colour }, at) => {
     const { style } = rows[at].querySelector(".u-marker");
-    if (dot > 0) Object.assign(style, { borderRadius: "50%", background: ring ? "" : colour });
-    else Object.assign(style, { height: 0, borderStyle: `${dashed ? "dashed" : "solid"} none none` });
+    const drawn = `<polyline points='${sign}' fill='none' stroke='${encodeURIComponent(colour)}' stroke-width='.4'/></svg>`;
+    const from = "data:image/svg+xml,<svg xmlns='http://www.w3.org/2000/svg' viewBox='-1.4 -1.4 2.8 2.8'>";
+    if (sign) Object.assign(style, { border: 0, background: `url("${from}${drawn}")` });
+    else if (dot > 0) Object.assign(style, { borderRadius: "50%", background: ring ? "" : colour });
+    else Object.assign(style, { height: 0, borderStyle: `${dash ? "dashed" : "solid"} none none` });
   });
   // A live legend has a row for the abscissa, which hides nothing.
   for (const name of [...place.querySelectorAll(".u-series th")].slice(sameX ? 1 : 0)) {

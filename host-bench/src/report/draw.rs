@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use plotters::prelude::*;
 
-use super::chart::{Axis, Chart, Curve, Field, Mark, SHADES, colour};
+use super::chart::{Axis, Chart, Curve, DASHES, Field, Mark, SHADES, SIGNS, colour};
 use super::page::escaped;
 use super::svg::{Area, Drawn, FONT, GRID, Ticked, hex, svg, width_of};
 
@@ -189,10 +189,10 @@ fn marks(paths: &mut String, chart: &Chart, (columns, rows): (Range<i32>, Range<
                 .iter()
                 .zip(&curve.bars)
                 .flat_map(|(&(x, y), bar)| [place(&(x, y - bar)), place(&(x, y + bar)), [f64::NAN; 2]]);
-            path(paths, curve.colour, Mark::Line(1.0), ends);
+            path(paths, curve.colour, Mark::line(0, 1.0), ends);
         }
-        for mark in curve.mark.parts().into_iter().flatten() {
-            let is_line = matches!(mark, Mark::Line(_) | Mark::Dashes(_));
+        for mark in curve.mark.parts() {
+            let is_line = mark.line.is_some();
             // A dot at the end of an axis is whole.
             let is_on = |at: f64, length: i32| is_line || (-0.5..=f64::from(length) + 0.5).contains(&at);
             let is_shown = |&[x, y]: &[f64; 2]| is_on(x, width) && is_on(y, height);
@@ -201,7 +201,7 @@ fn marks(paths: &mut String, chart: &Chart, (columns, rows): (Range<i32>, Range<
             if chart.field.is_some() {
                 // With a light edge it is seen on each colour of the cells.
                 let size = mark.size() + 2.0;
-                path(to, WHITE, if is_line { Mark::Line(size) } else { Mark::Dots(size) }, points());
+                path(to, WHITE, if is_line { Mark::line(0, size) } else { Mark::point(0, size) }, points());
             }
             path(to, curve.colour, mark, points());
         }
@@ -249,10 +249,11 @@ fn scale_of(area: &Area<'_>, field: &Field) -> Drawn {
         .y_desc(field.scale.title.as_str())
         .y_label_formatter(&|place| field.scale.label(*place, &ticks))
         .draw()?;
+    // Each goes up to the top, below those that follow: between two that only touch a scaled picture has a white line.
     bar.draw_series((0..SHADES).map(|index| {
-        let edge = |index: usize| bottom + (top - bottom) * index as f64 / SHADES as f64;
+        let edge = bottom + (top - bottom) * index as f64 / SHADES as f64;
         let shade = if high > low { index } else { SHADES / 2 };
-        Rectangle::new([(0.0, edge(index)), (1.0, edge(index + 1))], colour(shade).filled())
+        Rectangle::new([(0.0, edge), (1.0, top)], colour(shade).filled())
     }))?;
     Ok(())
 }
@@ -289,9 +290,9 @@ fn legend(area: &Area<'_>, entries: &[Entry<'_>], paths: &mut String) -> Drawn {
         let ends =
             [left, left + SAMPLE[0]].map(|x| [f64::from(columns.start + x), f64::from(rows.start + middle)]);
         let between = [0.5 * (ends[0][0] + ends[1][0]), ends[0][1]];
-        match curve.mark.parts() {
-            [Some(line), _] => path(paths, curve.colour, line, ends.into_iter()),
-            [None, dot] => path(paths, curve.colour, dot.unwrap_or(curve.mark), std::iter::once(between)),
+        match curve.mark.line {
+            Some(_) => path(paths, curve.colour, Mark { point: None, ..curve.mark }, ends.into_iter()),
+            None => path(paths, curve.colour, curve.mark, std::iter::once(between)),
         }
         let place = (left + SAMPLE[0] + SAMPLE[1], middle - 8);
         area.draw(&Text::new(curve.name.as_str(), place, TEXT.into_font()))?;
@@ -318,14 +319,23 @@ fn level(points: &mut Vec<[i64; 2]>) {
 
 /// A path through the points, with gaps at those that are no number, or of dots, to a tenth of a pixel; equal dots are drawn once.
 fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<Item = [f64; 2]>) {
-    if let Mark::Rings(width) = mark {
-        let points: Vec<[f64; 2]> = points.collect();
-        path(paths, colour, Mark::Dots(width), points.iter().copied());
-        path(paths, WHITE, Mark::Dots(0.55 * width), points.into_iter());
-        return;
-    }
-    let is_dots = matches!(mark, Mark::Dots(_));
     let points: Vec<[f64; 2]> = points.collect();
+    match mark.point {
+        Some((size, 1)) => {
+            path(paths, colour, Mark::point(0, size), points.clone().into_iter());
+            return path(paths, WHITE, Mark::point(0, 0.55 * size), points.into_iter());
+        }
+        Some((size, number @ 2..)) => {
+            let corner =
+                |[x, y]: [f64; 2], [right, down]: [f64; 2]| [x + 0.45 * size * right, y + 0.45 * size * down];
+            let sign =
+                |&point| SIGNS[number - 2].iter().map(move |at| corner(point, *at)).chain([[f64::NAN; 2]]);
+            let strokes: Vec<[f64; 2]> = points.iter().flat_map(sign).collect();
+            return path(paths, colour, Mark::line(0, 1.6), strokes.into_iter());
+        }
+        _ => {}
+    }
+    let is_dots = mark.point.is_some();
     let mut parts: Vec<Vec<[i64; 2]>> = points
         .split(|point| point.iter().any(|place| place.is_nan()))
         .map(|part| part.iter().map(|point| point.map(|place| (10.0 * place).round() as i64)).collect())
@@ -342,8 +352,8 @@ fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<
     let _ = write!(paths, "<path fill=\"none\" stroke=\"{}\" ", hex(colour));
     let _ = write!(paths, "stroke-width=\"{}\" stroke-line", mark.size());
     paths.push_str(if is_dots { "cap=\"round\"" } else { "join=\"round\"" });
-    if matches!(mark, Mark::Dashes(_)) {
-        paths.push_str(" stroke-dasharray=\"7 5\"");
+    if let Some((_, number @ 1..)) = mark.line {
+        let _ = write!(paths, " stroke-dasharray=\"{}\"", DASHES[number - 1]);
     }
     paths.push_str(" d=\"");
     let tenth = |value: i64| {
@@ -400,7 +410,7 @@ mod tests {
     #[test]
     fn names_in_the_legend_do_not_touch() {
         let names = ["0 Ω", "10 MΩ", "50 MΩ", "100 MΩ", "10 GΩ", "a rather long name of a curve"];
-        let curves = names.map(|name| Curve::new(name, BLUE, Mark::Line(1.0), [(0.0, 0.0), (1.0, 1.0)]));
+        let curves = names.map(|name| Curve::new(name, BLUE, Mark::line(0, 1.0), [(0.0, 0.0), (1.0, 1.0)]));
         let found = entries(&curves, 560);
         assert_eq!(found.len(), names.len());
         for pair in found.windows(2) {
@@ -418,7 +428,7 @@ mod tests {
 
     #[test]
     fn a_narrow_chart_has_readable_lines_of_its_note_and_whole_dots_at_its_ends() {
-        let dots = Curve::new("", BLUE, Mark::Dots(6.0), [(0.0, 0.0), (1.0, 1.0), (2.0, 1.0)]);
+        let dots = Curve::new("", BLUE, Mark::point(0, 6.0), [(0.0, 0.0), (1.0, 1.0), (2.0, 1.0)]);
         let [across, up] = ["x", "y"].map(|title| Axis::linear(title, [0.0, 1.0], 5));
         let note = "not drawn: 72 runs ".repeat(6);
         let svg = draw(300, "", &[Chart { note, ..Chart::new("", across, up, vec![dots]) }], None);
@@ -435,7 +445,7 @@ mod tests {
     fn a_jump_is_a_gap_and_a_slope_is_not() {
         let gaps = |values: &[f64]| {
             let points = values.iter().enumerate().map(|(index, value)| (index as f64, *value));
-            let curve = Curve::new("", BLUE, Mark::Line(1.0), points).broken_at_jumps();
+            let curve = Curve::new("", BLUE, Mark::line(0, 1.0), points).broken_at_jumps();
             curve.points.iter().filter(|point| point.1.is_nan()).count()
         };
         assert_eq!(gaps(&[1.0, 1.1, 1.2, 5.0, 5.1, 5.2]), 1);
@@ -444,7 +454,7 @@ mod tests {
         // A resonance that is resolved.
         let resonance: Vec<f64> = (-20..=20).map(|x| 1.0 / (1.0 + f64::from(x * x) / 4.0)).collect();
         assert_eq!(gaps(&resonance), 0);
-        let curve = Curve::new("", GREEN, Mark::Line(1.0), [(0.0, 0.0), (f64::NAN, f64::NAN), (1.0, 1.0)]);
+        let curve = Curve::new("", GREEN, Mark::line(0, 1.0), [(0.0, 0.0), (f64::NAN, f64::NAN), (1.0, 1.0)]);
         let svg = plot(Axis::linear("x", [0.0, 1.0], 5), vec![curve]);
         let path =
             svg.split("stroke=\"#009E73\"").nth(1).expect("the curve").split("d=\"").nth(1).expect("a path");

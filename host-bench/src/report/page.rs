@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use super::chart::{Chart, Curve, Field, Mark, Readout, SHADES, colour};
+use super::chart::{Chart, Curve, DASHES, Field, Readout, SHADES, SIGNS, colour};
 use super::svg::{extremes, hex, tick};
 pub(crate) use crate::name::escaped;
 
@@ -14,9 +14,9 @@ const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;color:#1b1f24;backg
 margin:2rem auto;padding:0 1rem}h1{font-size:1.6rem}h2{font-size:1.2rem;margin-top:2.5rem}\
 body>svg,figure>svg{max-width:100%;height:auto}figure{margin:0}.wide{overflow-x:auto}\
 .panels{display:flex;flex-wrap:wrap;gap:.5rem}.panels>figure{flex:0 1 auto}\
-table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-nums}\
-th{text-align:left;border-bottom:2px solid #57606a;padding:.3rem .5rem;vertical-align:bottom}\
-td{border-bottom:1px solid #d0d7de;padding:.2rem .5rem}\
+table{border-collapse:collapse;font-size:clamp(.6rem,1.25vw,.85rem);font-variant-numeric:tabular-nums}\
+th{text-align:left;border-bottom:2px solid #57606a;padding:.35em .6em;vertical-align:bottom}\
+td{border-bottom:1px solid #d0d7de;padding:.25em .6em}\
 td.number,th.number{text-align:right}td.number{white-space:nowrap}tr.beyond td{color:#6e7781}\
 p.note{font-size:.85rem;color:#57606a;margin:.3rem 0}\
 @media screen and (prefers-color-scheme:dark){html{background:#fff;filter:invert(.9) hue-rotate(180deg)}}\
@@ -148,15 +148,16 @@ impl Page {
 }
 
 fn curve(curve: &Curve, chart: &Chart) -> Value {
-    let [line, dot] = curve.mark.parts();
+    let [(width, dashes), (size, sign)] = [curve.mark.line, curve.mark.point].map(Option::unwrap_or_default);
     let mut value = json!({
         "name": if curve.name.is_empty() { &chart.up.title } else { &curve.name },
         "named": !curve.name.is_empty(),
         "colour": hex(curve.colour),
-        "line": line.map_or(0.0, Mark::size),
-        "dashed": matches!(line, Some(Mark::Dashes(_))),
-        "dot": dot.map_or(0.0, Mark::size),
-        "ring": matches!(dot, Some(Mark::Rings(_))),
+        "line": width,
+        "dash": dashes.checked_sub(1).map(|at| DASHES[at]),
+        "dot": size,
+        "ring": sign == 1,
+        "sign": sign.checked_sub(2).map(|at| SIGNS[at]),
         "hidden": curve.is_hidden,
     });
     let (rows, x): (Vec<usize>, Vec<f64>) = if chart.is_orbit {
@@ -246,13 +247,13 @@ fn scale(field: &Field) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::chart::Axis;
+    use crate::report::chart::{Axis, Mark};
     use crate::report::svg::BLUE;
 
     fn orbit_or_not(is_orbit: bool, title: &str, points: &[(f64, f64)]) -> Value {
         let axes = ["time [s]", "gap [mm]"].map(|title| Axis::linear(title, [-2.0, 2.0], 4));
         let [across, up] = axes;
-        let curves = vec![Curve::new("", BLUE, Mark::Dotted([1.5, 6.0]), points.iter().copied())];
+        let curves = vec![Curve::new("", BLUE, Mark::dotted(0, [1.5, 6.0]), points.iter().copied())];
         let mut page = Page::new("");
         page.chart(&Chart { is_orbit, ..Chart::new(title, across, up, curves) });
         page.charts[0].clone()

@@ -66,9 +66,9 @@ pub(crate) fn terminal(chart: &Chart, rows: usize) -> String {
     let mut legend = String::new();
     let mut letters = LETTERS.into_iter().cycle();
     for curve in chart.curves.iter().filter(|curve| !curve.is_hidden) {
-        let [line, dot] = curve.mark.parts();
-        let letter = dot.and_then(|_| letters.next());
-        let is_dashed = matches!(line, Some(Mark::Dashes(_)));
+        let Mark { line, point } = curve.mark;
+        let letter = point.and_then(|_| letters.next());
+        let is_dashed = line.is_some_and(|(_, number)| number > 0);
         if line.is_some() {
             for pair in curve.points.windows(2) {
                 let ends = [place(&pair[0]), place(&pair[1])];
@@ -178,8 +178,9 @@ mod tests {
     fn a_line_rises_from_corner_to_corner_and_points_have_letters_at_their_places() {
         let across = Axis::linear("time [s]", [0.0, 10.0], 5);
         let up = Axis::linear("gap [mm]", [0.0, 1.0], 5);
-        let line = Curve::new("", BLUE, Mark::Line(1.0), [(0.0, 0.0), (10.0, 1.0)]);
-        let points = Curve::new("runs", BLUE, Mark::Dots(4.0), [(5.0, 0.0), (f64::NAN, 0.5), (20.0, 0.5)]);
+        let line = Curve::new("", BLUE, Mark::line(0, 1.0), [(0.0, 0.0), (10.0, 1.0)]);
+        let points =
+            Curve::new("runs", BLUE, Mark::point(0, 4.0), [(5.0, 0.0), (f64::NAN, 0.5), (20.0, 0.5)]);
         let lines = drawn(&Chart::new("title", across, up, vec![line, points]));
         assert_eq!((lines[0].as_str(), lines[1].as_str()), ("title: gap [mm]", "o runs"));
         // The first row of the plot has the last dots, the last row the first ones and the only point within the axes.

@@ -43,15 +43,16 @@ pub(crate) fn picture(harvester: &str, extent: &Extent, line: &Timeline) -> Pict
         steps.map(|(count, second)| (f64::from(*second) / 3600.0, count as f64 + 1.0)).collect()
     };
     let truth = true_hours.enumerate().flat_map(|(hour, energy)| level(hour, scale / 3.6 * energy));
-    let truth = Curve::new("true", GREY, Mark::Line(11.0), truth);
+    let truth = Curve::new("true", GREY, Mark::line(0, 11.0), truth);
     let chart = |title: &str, up: &str, first: Option<Curve>, of: &dyn Fn(&Run) -> Vec<(f64, f64)>| {
-        // Over another a curve is narrower, and every other one dashed: both are seen where they are one.
-        let curve = |((at, (name, run)), colour): ((usize, &(Name, Run)), RGBColor)| {
-            let (mark, points) = (Mark::line(at, 7.5 - at as f64), of(run));
+        let named = runs.iter().map(|(name, run)| {
+            let points = of(run);
             let none = if points.iter().any(|point| point.1 > 0.0) { "" } else { ": none" };
-            Curve::new(format!("{name:?}{none}").to_lowercase(), colour, mark, points)
-        };
-        let curves = first.into_iter().chain(runs.iter().enumerate().zip(COLOURS).map(curve)).collect();
+            (format!("{name:?}{none}").to_lowercase(), points)
+        });
+        // Over another a curve is narrower: both are seen where they are one.
+        let narrower = |at: usize, width: f64| Mark::line(at, width - at as f64);
+        let curves = first.into_iter().chain(Curve::distinct(&COLOURS, (narrower, 7.5), named)).collect();
         let across = Axis::linear("time [h]", [0.0, line.minutes.len() as f64 / 60.0], 12);
         Chart::new(title, across, Axis::linear(up, FROM_ZERO, 6), curves).grouped("hours", 320)
     };
@@ -83,7 +84,7 @@ const PANELS: [Panel; 3] = [
 pub(crate) fn of_years(quarters: &[Quarter]) -> Picture {
     let last = quarters.iter().map(|one| one.quarter).max().unwrap_or(1);
     let chart = |tier: &'static str, (title, up, worse, of): Panel| {
-        let curve = |(Storage { name, capacitance, .. }, colour): (&Storage, RGBColor)| {
+        let named = STORAGES[..6].iter().map(|Storage { name, capacitance, .. }| {
             let at = |quarter: u32| {
                 let here = |one: &&Quarter| {
                     (one.tier, one.quarter) == (tier, quarter)
@@ -91,10 +92,10 @@ pub(crate) fn of_years(quarters: &[Quarter]) -> Picture {
                 };
                 (f64::from(quarter), quarters.iter().filter(here).map(of).fold(f64::NAN, worse))
             };
-            let name = format!("{name} of {capacitance} F");
-            Curve::new(name, colour, Mark::Dotted([1.5, 4.0]), (1..=last).map(at))
-        };
-        let curves = STORAGES[..6].iter().zip(COLOURS).map(curve).collect();
+            (format!("{name} of {capacitance} F"), (1..=last).map(at).collect::<Vec<_>>())
+        });
+        let dotted = |at: usize, width: f64| Mark::dotted(at, [width, 4.0 * width]);
+        let curves = Curve::distinct(&COLOURS, (dotted, 1.5), named);
         let across = Axis::linear("quarter of a year", [0.5, f64::from(last) + 0.5], 10);
         Chart::new(format!("{title}: {tier}"), across, Axis::linear(up, FITTING, 6), curves)
             .grouped("quarters", 280)

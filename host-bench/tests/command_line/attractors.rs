@@ -66,7 +66,7 @@ fn all_starts_are_shared_among_the_motions_that_they_find() {
         "{all:?}"
     );
     let drawn = std::fs::read_to_string(picture).expect("a picture");
-    assert!(drawn.contains("mean power [µW]") && drawn.contains("velocity at the start"));
+    assert!(drawn.contains("of 50 starts") && drawn.contains("velocity at the start"));
     assert_eq!(json(&[&command[..], &BISTABLE].concat()).as_array(), Some(all), "the same starts again");
     refused(
         &["attractors", SHIPPED, "--set", "excitation={kind=\"silence\"}"],

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use crate::report::Picture;
 use crate::report::chart::{self, Chart, Curve, FITTING, Mark};
 use crate::report::setting::{axis_of, distinct_labels, scaled, words_and_unit};
-use crate::report::svg::{BLUE, VERMILION, shade};
+use crate::report::svg::{BLUE, COLOURS, VERMILION, shade};
 
 /// Most curves of one chart.
 const MOST: usize = 24;
@@ -58,6 +58,22 @@ pub(in crate::command) fn picture(
     (!charts.is_empty()).then_some(Picture { title, width: 900, charts, ..Picture::default() })
 }
 
+/// Points of a few kinds over two axes, the last of which goes across: each kind has a name, a mark and a colour.
+pub(in crate::command) fn kinds(
+    title: &str,
+    [rows, axis]: &[Axis; 2],
+    kinds: impl Iterator<Item = (String, Vec<[f64; 2]>)>,
+) -> Picture {
+    let [(first, to_first), (second, to_second)] = [axis, rows].map(across);
+    // A mark has room between its neighbours.
+    let size = (300.0 / axis.count() as f64).clamp(3.0, 10.0);
+    let kinds = kinds
+        .map(|(name, points)| (name, points.into_iter().map(move |[x, y]| (to_first * x, to_second * y))));
+    let curves = Curve::distinct(&COLOURS, (Mark::point, size), kinds);
+    let chart = Chart { height: 560, ..Chart::new("", first, second, curves) };
+    Picture { title: title.to_owned(), width: 900, charts: vec![chart], ..Picture::default() }
+}
+
 /// The axis of a chart, and the factor to the unit that it shows.
 fn across(axis: &Axis) -> (chart::Axis, f64) {
     axis_of(&axis.key, axis.logarithmic, [axis.value(0), axis.value(axis.count() - 1)])
@@ -69,13 +85,13 @@ fn curve(words: Labels<'_>, axis: &Axis, (name, values): &(String, Vec<Option<f6
     let point =
         |(index, value): (usize, &Option<f64>)| Some((index, (factor * axis.value(index), (*value)?)));
     let points: Vec<(usize, (f64, f64))> = values.iter().enumerate().filter_map(point).collect();
-    let line = Curve::new("", BLUE, Mark::Dotted([1.8, 6.0]), points.iter().map(|(_, point)| *point));
+    let line = Curve::new("", BLUE, Mark::dotted(0, [1.8, 6.0]), points.iter().map(|(_, point)| *point));
     let mut curves = vec![line.broken_at_jumps()];
     let has_gap = curves[0].points.iter().any(|point| point.0.is_nan());
     let note = if has_gap { "a gap in the line: the value jumps, as from one motion to another" } else { "" };
     let (marked, why) = words.marked;
     let rings = points.iter().filter(|(index, _)| marked.get(*index).copied().unwrap_or(false));
-    let rings = Curve::new(why, VERMILION, Mark::Rings(9.0), rings.map(|(_, point)| *point));
+    let rings = Curve::new(why, VERMILION, Mark::point(1, 9.0), rings.map(|(_, point)| *point));
     curves.extend(Some(rings).filter(|rings| !rings.points.is_empty()));
     let up = chart::Axis::linear(name.as_str(), FITTING, 7);
     Chart { note: note.to_owned(), ..Chart::new("", across, up, curves).grouped("over", 320) }
@@ -114,7 +130,8 @@ fn family(rows: &Axis, axis: &Axis, (name, values): &(String, Vec<Option<f64>>))
         let points = (0..axis.count()).filter_map(point);
         // The lightest yellow would not be seen on white.
         let colour = shade(row as f64, 0.0, 1.15 * (rows.count() - 1) as f64);
-        Curve::new(format!("{words} = {label}"), colour, Mark::Dotted([1.6, 5.0]), points).broken_at_jumps()
+        Curve::new(format!("{words} = {label}"), colour, Mark::dotted(0, [1.6, 5.0]), points)
+            .broken_at_jumps()
     };
     let curves = drawn.iter().zip(&labels).map(curve).collect();
     let chart = Chart::new("", across, chart::Axis::linear(name.as_str(), FITTING, 7), curves);

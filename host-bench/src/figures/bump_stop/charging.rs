@@ -50,12 +50,9 @@ impl Charging {
 
 /// Figure 11, of the storage with the stop at the tip, at mid-span, and without one.
 pub(super) fn eleven([tip, mid, none]: [&Charging; 3], [base, note]: [&str; 2]) -> Figure {
-    let cases =
-        [("no stop", BLUE, none), ("stop at mid-span", BLACK, mid), ("stop at the tip", VERMILION, tip)];
-    let curves: Vec<Curve> = cases
-        .iter()
-        .map(|(name, colour, of)| Curve::new(*name, *colour, Mark::Line(1.6), of.points.iter().copied()))
-        .collect();
+    let cases = [("no stop", none), ("stop at mid-span", mid), ("stop at the tip", tip)];
+    let named = cases.map(|(name, of)| (name, of.points.iter().copied()));
+    let curves = Curve::distinct(&[BLUE, BLACK, VERMILION], (Mark::line, 1.6), named);
     let last = curves.iter().flat_map(|curve| &curve.points).map(|point| point.0).fold(0.0, f64::max);
     let plot = Chart::new(
         format!("Figure 11: {base}"),
@@ -63,14 +60,14 @@ pub(super) fn eleven([tip, mid, none]: [&Charging; 3], [base, note]: [&str; 2]) 
         Axis::linear("voltage of the storage [V]", [0.0, f64::NAN], 6),
         curves,
     );
-    let row = |(name, _, of): &(&str, _, &Charging)| {
+    let row = |(name, of): &(&str, &Charging)| {
         let [half, one, two, five] = INSTANTS_S.map(|instant| of.at(instant).unwrap_or(f64::NAN));
         let energy = 0.5e6 * of.capacitance * five * five;
         let [half, one, two, five] = [half, one, two, five].map(|voltage| format!("{voltage:.3}"));
         [(*name).to_owned(), half, one, two, five, format!("{energy:.0}")]
     };
     let headings = ["stop", "0.5 s [V]", "1 s [V]", "2 s [V]", "5 s [V]", "stored after 5 s [µJ]"];
-    let rows = cases.iter().flat_map(|(name, _, of)| {
+    let rows = cases.iter().flat_map(|(name, of)| {
         of.points.iter().map(|(time, voltage)| [(*name).to_owned(), number(*time), number(*voltage)])
     });
     Figure {

@@ -123,7 +123,7 @@ pub(super) fn in_step(scene: &Scene, done: &(dyn Fn() + Sync)) -> Result<Vec<Ste
 }
 
 /// Width of the lines and diameter of the dots.
-const STROKES: Mark = Mark::Dotted([1.6, 6.0]);
+const STROKES: Mark = Mark::dotted(0, [1.6, 6.0]);
 
 /// RMS voltage over the number of beam modes.
 pub(super) fn modes_figure(points: &[ModesPoint], [base, note]: [&str; 2]) -> Figure {

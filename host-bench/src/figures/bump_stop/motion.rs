@@ -109,7 +109,7 @@ const THREE_HIGH: (u32, u32) = (1130, 900);
 /// A column over the periods shown, `scale` times as large.
 fn curve(name: &str, colour: RGBColor, motion: &Motion, column: usize, scale: f64) -> Curve {
     let every = if column == CONTACT_FORCE { 1 } else { THIN };
-    Curve::new(name, colour, Mark::Line(1.4), motion.over_periods(column, scale, every))
+    Curve::new(name, colour, Mark::line(0, 1.4), motion.over_periods(column, scale, every))
 }
 
 fn plot(title: &str, up: &'static str, curves: Vec<Curve>) -> Chart {
@@ -147,7 +147,7 @@ pub(super) fn six(tip: &Motion, [base, note]: [&str; 2]) -> Figure {
 
 pub(super) fn eight([tip, none]: [&Motion; 2], [base, note]: [&str; 2]) -> Figure {
     let curves = vec![
-        Curve { mark: Mark::Dashes(1.4), ..curve("without impact", BLUE, none, VOLTAGE, 1.0) },
+        Curve { mark: Mark::line(1, 1.4), ..curve("without impact", BLUE, none, VOLTAGE, 1.0) },
         curve("with impact, stop at the tip", VERMILION, tip, VOLTAGE, 1.0),
     ];
     let plot = plot(&format!("Figure 8: {base}"), "voltage [V]", curves);
@@ -166,7 +166,7 @@ pub(super) fn eight([tip, none]: [&Motion; 2], [base, note]: [&str; 2]) -> Figur
 
 pub(super) fn nine([tip, mid, none]: [&Motion; 3], [base, note]: [&str; 2]) -> Figure {
     let curves = vec![
-        Curve { mark: Mark::Dashes(1.4), ..curve("no stop", BLUE, none, VOLTAGE, 1.0) },
+        Curve { mark: Mark::line(1, 1.4), ..curve("no stop", BLUE, none, VOLTAGE, 1.0) },
         curve("stop at mid-span", BLACK, mid, VOLTAGE, 1.0),
         curve("stop at the tip", VERMILION, tip, VOLTAGE, 1.0),
     ];

@@ -38,17 +38,12 @@ pub(super) fn of(motions: [(&Scene, &Motion); 2], done: &(dyn Fn() + Sync)) -> R
 
 pub(super) fn ten(clusters: &[Cluster], [base, note]: [&str; 2]) -> Figure {
     let drawn = |(letter, place): (char, &str), cluster: &Cluster| {
-        let curves: Vec<Curve> = cluster
-            .shapes
-            .iter()
-            .zip(COLOURS)
-            .map(|(shape, colour)| {
-                let name = format!("{:.0} µs", 1e6 * (shape.time_s - cluster.first));
-                let points =
-                    shape.points.iter().map(|point| (1e3 * point.distance_m, 1e6 * point.displacement_m));
-                Curve::new(name, colour, Mark::Line(1.6), points)
-            })
-            .collect();
+        let named = cluster.shapes.iter().map(|shape| {
+            let points =
+                shape.points.iter().map(|point| (1e3 * point.distance_m, 1e6 * point.displacement_m));
+            (format!("{:.0} µs", 1e6 * (shape.time_s - cluster.first)), points)
+        });
+        let curves = Curve::distinct(&COLOURS, (Mark::line, 1.6), named);
         let length = curves.first().and_then(|curve| curve.points.last()).map_or(1.0, |point| point.0);
         let plot = Chart::new(
             format!("Figure 10 ({letter}): stop at {place}, {base}"),
@@ -104,7 +99,7 @@ pub(super) fn seven(tip: &Motion, gap: f64, [base, note]: [&str; 2]) -> Result<F
         tip.longest_contact([first, last]).ok_or_else(|| missing("no contact in the cluster"))?;
     let span = [rests - BEFORE_S, rests + AFTER_S];
     let curve = |name, colour, width, column, scale| {
-        Curve::new(name, colour, Mark::Line(width), tip.within(span, column, scale))
+        Curve::new(name, colour, Mark::line(0, width), tip.within(span, column, scale))
     };
     let mut beam = curve("tip of the beam", BLUE, 1.2, STOP_POINT, 1e6);
     beam.points.iter_mut().for_each(|point| point.1 -= 1e6 * gap);

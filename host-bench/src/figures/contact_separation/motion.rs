@@ -249,9 +249,9 @@ fn panel(pair: &Pair, of: &str, histories: &[Motion]) -> Panel {
 fn curves(motion: &Motion, colour: RGBColor) -> Vec<Curve> {
     let gap = motion.gaps.iter().map(|&(period, gap)| (period, 1e3 * gap));
     let impacts = motion.hits.iter().map(|period| (*period, 0.0));
-    let mut curves = vec![Curve::new("", colour, Mark::Line(1.5), gap)];
+    let mut curves = vec![Curve::new("", colour, Mark::line(0, 1.5), gap)];
     if !motion.hits.is_empty() {
-        curves.push(Curve::new("impact", BLACK, Mark::Dots(7.0), impacts));
+        curves.push(Curve::new("impact", BLACK, Mark::point(0, 7.0), impacts));
     }
     curves
 }

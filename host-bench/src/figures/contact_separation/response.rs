@@ -18,7 +18,7 @@ pub(crate) const RESISTANCES: [f64; 3] = [1.0, 10.0, 100.0];
 const COLOURS: [RGBColor; 4] = [BLACK, BLUE, ORANGE, VERMILION];
 /// Marks for curves that may coincide: the first is the widest, so that all are visible.
 const NESTED: [(RGBColor, Mark); 3] =
-    [(ORANGE, Mark::Line(5.0)), (BLUE, Mark::Line(2.4)), (BLACK, Mark::Dashes(1.3))];
+    [(ORANGE, Mark::line(0, 5.0)), (BLUE, Mark::line(0, 2.4)), (BLACK, Mark::line(1, 1.3))];
 
 /// Size of a panel: two stand beside each other on the page.
 const SIZE: (u32, u32) = (560, 430);
@@ -102,12 +102,11 @@ pub(super) fn eight(sweeps: &[Sweep], grid: Grid, [base, start]: [&str; 2]) -> F
     let up = gap_axis(&wanted);
     let panel = |letter: char, resistance: f64| {
         let sweeps = wanted.iter().filter(|sweep| sweep.resistance == resistance);
-        let curves = sweeps.zip(COLOURS).enumerate().map(|(at, (sweep, colour))| {
-            let name = format!("{} µC/m²", sweep.charge_density);
-            Curve::new(name, colour, Mark::line(at, 1.8), sweep.points()).broken_at_jumps()
-        });
+        let named = sweeps.map(|sweep| (format!("{} µC/m²", sweep.charge_density), sweep.points()));
+        let curves = Curve::distinct(&COLOURS, (Mark::line, 1.8), named);
+        let curves = curves.into_iter().map(Curve::broken_at_jumps).collect();
         let title = format!("Figure 8 ({letter}): load {resistance} MΩ, {base}");
-        let chart = Chart::new(title, frequency_axis(grid.span(), 9), up.clone(), curves.collect());
+        let chart = Chart::new(title, frequency_axis(grid.span(), 9), up.clone(), curves);
         Panel::new(format!("figure-8{letter}"), SIZE, [chart])
     };
     Figure {
@@ -248,7 +247,7 @@ pub(super) fn ten(
             [(10.0 * low - 0.5).floor() / 10.0, (10.0 * high + 0.5).ceil() / 10.0],
             9,
         ),
-        vec![Curve::new("", BLUE, Mark::Dots(2.0), all())],
+        vec![Curve::new("", BLUE, Mark::point(0, 2.0), all())],
     );
     Figure {
         label: "Figure 10",

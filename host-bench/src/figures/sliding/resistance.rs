@@ -91,11 +91,12 @@ fn looping(
     amplitude: impl Fn(&Peak) -> f64,
 ) -> Panel {
     let place = |peak: &&Peak| (shift(peak), amplitude(peak));
-    let line = Curve::new("", BLUE, Mark::Line(1.2), peaks.iter().map(place));
-    let marks = RESISTANCES.iter().zip(COLOURS).map(|(resistance, colour)| {
-        let there = peaks.iter().filter(|peak| peak.case.resistance == *resistance);
-        Curve::new(ohms(*resistance), colour, Mark::Dots(9.0), there.map(place))
+    let line = Curve::new("", BLUE, Mark::line(0, 1.2), peaks.iter().map(place));
+    let marked = RESISTANCES.map(|resistance| {
+        let there = peaks.iter().filter(move |peak| peak.case.resistance == resistance);
+        (ohms(resistance), there.map(place))
     });
+    let marks = Curve::distinct(&COLOURS, (Mark::point, 9.0), marked);
     let (left, right) = range(line.points.iter().map(|point| point.0));
     let plot = Chart::new(
         format!("Figure 6 (a): {} µC/m², {base}, loads from 0 Ω to {}", DENSITIES[1], ohms(SPAN[1])),
@@ -111,12 +112,12 @@ fn above_short(peaks: &[Peak], density: f64, name: &str, value: impl Fn(&Peak) -
     let above = along(peaks, density).into_iter().filter(|peak| peak.case.resistance > 0.0);
     let colour = if density < DENSITIES[1] { BLUE } else { VERMILION };
     let points = above.map(|peak| (peak.case.resistance, value(peak)));
-    Curve::new(name, colour, Mark::Dotted([1.6, 4.5]), points)
+    Curve::new(name, colour, Mark::dotted(0, [1.6, 4.5]), points)
 }
 
 /// The dashed line of a value at all resistances.
 fn level(value: f64) -> Curve {
-    Curve::new("", BLACK, Mark::Dashes(1.0), SPAN.map(|resistance| (resistance, value)))
+    Curve::new("", BLACK, Mark::line(1, 1.0), SPAN.map(|resistance| (resistance, value)))
 }
 
 /// Both charge densities, one above the other.

@@ -152,18 +152,10 @@ fn panel(
     curves: &[(String, &Response)],
 ) -> Panel {
     let across = span.or(local).unwrap_or(WIDE.0);
-    let curves: Vec<Curve> = curves
-        .iter()
-        .zip(COLOURS)
-        .map(|((name, response), colour)| {
-            Curve::new(
-                name.as_str(),
-                colour,
-                Mark::Line(1.6),
-                response.points.iter().map(|point| (point[0], value(point))),
-            )
-        })
-        .collect();
+    let named = curves.iter().map(|(name, response)| {
+        (name.as_str(), response.points.iter().map(|point| (point[0], value(point))))
+    });
+    let curves = Curve::distinct(&COLOURS, (Mark::line, 1.6), named);
     let peaks = curves.iter().map(|curve| curve.points.iter().map(|point| point.1).fold(0.0, f64::max));
     let (low, high) = if local.is_some() { range(peaks) } else { (0.0, 1.04 * peaks.fold(0.0, f64::max)) };
     // The local view begins below the lowest peak, by half the distance of the peaks.

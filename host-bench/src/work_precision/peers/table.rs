@@ -147,7 +147,7 @@ fn chart(comparison: &Comparison) -> Chart {
             let (cost, error) = (row.cost(comparison.by_count)?, row.error?);
             (ERRORS[0]..=ERRORS[1]).contains(&error).then_some((cost, error))
         });
-        curves.push(Curve::new(first.method, colour, Mark::Dotted(widths), points));
+        curves.push(Curve::new(first.method, colour, Mark::dotted(0, widths), points));
     }
     let costs = curves.iter().flat_map(|curve| &curve.points).map(|point| point.0);
     let (least, most) = extremes(costs);
