@@ -366,7 +366,8 @@ fn line(run: u64, part: f64, done: [u64; 2], elapsed_s: f64) -> String {
     } else {
         String::new()
     };
-    let [steps, events] = done.map(|count| count as f64 / elapsed_s.max(f64::MIN_POSITIVE));
+    // A run that has only begun has no rate yet.
+    let [steps, events] = done.map(|count| count as f64 / elapsed_s.max(LOOK.as_secs_f64()));
     let rates = format!("{steps:.0} steps and {events:.0} events a second");
     format!("run {run}: {:.1} % done, {elapsed_s:.0} s elapsed{to_go}; {rates}", 100.0 * part)
 }

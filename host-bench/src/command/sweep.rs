@@ -14,7 +14,7 @@ pub(super) use self::messages::warnings;
 use self::messages::{best, best_text, doubt, refined_text};
 use self::picture::{Labels, Quantity, picture};
 use self::points::{Point, PointArguments, Points, csv};
-use super::{is_quiet, note, warn};
+use super::{Watch, is_quiet, note, warn};
 use crate::method::Failure;
 use crate::outcome::{Format, folded};
 use crate::report::Picture;
@@ -88,11 +88,14 @@ pub(super) fn drawn(arguments: &PointArguments, axis: Axis) -> Result<Picture, F
     let points = points(arguments, axes, false)?;
     let none = || Failure::Input("no point could be run to its end".to_owned());
     let found = points.run(&[])?.ok_or_else(none)?.points;
+    // The runs that judge the best point.
+    let watch = Watch::new();
     let best = best(&found);
     let doubt = best.and_then(|best| doubt(axes, &points, &found, best)).into_iter();
     let warnings = warnings(&found).chain(doubt).map(|warning| format!("warning: {warning}"));
     let best = best.map(|best| refined_text(&axes[0], &points, &found, best)).into_iter();
     let lines: Vec<String> = best.chain(warnings).map(|line| folded(&line, 2)).collect();
+    drop(watch);
     Ok(Picture { text: lines.join("\n"), ..picture_of(axes, &points, &found)?.ok_or_else(none)? })
 }
 

@@ -2,11 +2,15 @@
 
 use std::f64::consts::TAU;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use harvester_scene::progress;
 
 use crate::input::{MOST_OF_DATA, read, repeated};
 use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::{EnergyFlow, Outcome};
+use crate::run::each;
 use crate::scene_file::{Load, Scene};
 
 /// The power into a resistor, which follows from the voltage.
@@ -165,18 +169,21 @@ pub(super) fn amplitudes(
         .iter()
         .map(|(time, value)| (value - mean) * (1.0 - (TAU * (time - first.0) / span).cos()))
         .collect();
-    let lines = (highest_hz.min(0.5 / every) * span) as usize;
-    (0..=lines)
-        .map(|line| {
-            let frequency = line as f64 / span;
-            // One turn from row to row: all rows are needed, because what is left out would appear at other frequencies.
-            let (sine, cosine) = (TAU * frequency * every).sin_cos();
-            let (mut turned, mut sum) = ([1.0, 0.0], [0.0, 0.0]);
-            for value in &weighted {
-                sum = [sum[0] + value * turned[0], sum[1] + value * turned[1]];
-                turned = [turned[0] * cosine - turned[1] * sine, turned[0] * sine + turned[1] * cosine];
-            }
-            (frequency, 2.0 / count * f64::hypot(sum[0], sum[1]))
-        })
-        .collect()
+    let lines: Vec<usize> = (0..=(highest_hz.min(0.5 / every) * span) as usize).collect();
+    // A million rows take longer than the run that made them.
+    progress::begin();
+    let begun = AtomicUsize::new(0);
+    each(&lines, |&line| {
+        let before = begun.fetch_add(1, Ordering::Relaxed);
+        progress::report(before as f64 / lines.len() as f64, [(before * weighted.len()) as u64, 0]);
+        let frequency = line as f64 / span;
+        // One turn from row to row: all rows are needed, because what is left out would appear at other frequencies.
+        let (sine, cosine) = (TAU * frequency * every).sin_cos();
+        let (mut turned, mut sum) = ([1.0, 0.0], [0.0, 0.0]);
+        for value in &weighted {
+            sum = [sum[0] + value * turned[0], sum[1] + value * turned[1]];
+            turned = [turned[0] * cosine - turned[1] * sine, turned[0] * sine + turned[1] * cosine];
+        }
+        (frequency, 2.0 / count * f64::hypot(sum[0], sum[1]))
+    })
 }

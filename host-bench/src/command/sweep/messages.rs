@@ -17,9 +17,9 @@ pub(in crate::command) fn warnings(points: &[Point]) -> impl Iterator<Item = Str
     others.into_iter().chain(KINDS.map(first)).flatten()
 }
 
-/// Beginnings of the warnings of which the first is printed: of the accuracy of the numbers, of other steady motions, and of
-/// the limits of the model.
-const KINDS: [&str; 4] = ["accuracy:", "attractors:", LIMIT, MODEL];
+/// Beginnings of the warnings of which the first is printed: of no stable orbit, of the accuracy of the numbers, of other steady
+/// motions, and of the limits of the model.
+const KINDS: [&str; 5] = ["steady state:", "accuracy:", "attractors:", LIMIT, MODEL];
 
 /// The warning of the point whose force law created the largest share of the delivered energy, with the number of the points that warn.
 fn most_created(points: &[Point]) -> Option<String> {
@@ -142,22 +142,16 @@ pub(super) fn costs<'a>(points: impl Iterator<Item = &'a Compared>) -> Option<St
         points.iter().fold([0.0; 2], |[a, b], point| [a + point.periods[0], b + point.periods[1]])
     };
     let ratio = |[steady, run]: [f64; 2]| run / steady;
-    let of_stable = sum(&stable);
+    let times = |points: &[&Compared]| format!("the run has {:.1} times as many", ratio(sum(points)));
     let each = match stable.len() {
         0 => "none of them has a stable orbit".to_owned(),
-        count => format!(
-            "{:.0} simulated periods each, the run has {:.1} times as many",
-            of_stable[0] / count as f64,
-            ratio(of_stable)
-        ),
+        count => {
+            format!("{:.0} simulated periods each, {}", sum(&stable)[0] / count as f64, times(&stable))
+        }
     };
-    let text = format!(
-        "steady state at {} of {} points: {each}; at all points, the run included where there is none, the run has {:.1} times as \
-         many",
-        stable.len(),
-        points.len(),
-        ratio(sum(&points)),
-    );
+    let of_all = format!("; at all points, the run included where there is none, {}", times(&points));
+    let of_all = if stable.len() < points.len() { of_all } else { String::new() };
+    let text = format!("steady state at {} of {} points: {each}{of_all}", stable.len(), points.len());
     let seconds = points.iter().filter_map(|point| point.seconds).reduce(|[a, b], [c, d]| [a + c, b + d]);
     let slower = seconds.map(|seconds| format!("; the runs took {:.1} times as long", ratio(seconds)));
     (!points.is_empty()).then(|| text + &slower.unwrap_or_default())

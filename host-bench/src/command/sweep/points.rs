@@ -9,7 +9,7 @@ use crate::budget::day_numbers;
 use crate::command::files::{Outputs, make_folder};
 use crate::command::rows::Parts;
 use crate::command::{
-    NODE, SceneArguments, StorageVoltage, check_keys, fail_after_result, note, print, with_progress,
+    NODE, SceneArguments, StorageVoltage, check_keys, fail_after_result, note, one_more, print, with_progress,
 };
 use crate::input::{self, MOST_OF_DATA};
 use crate::method::{Failure, Options};
@@ -127,7 +127,7 @@ impl Points<'_> {
         let points = with_progress(own.len(), |bar| {
             try_each(&own, |&index| {
                 let point = self.point(&options, index, rows.as_ref());
-                bar.inc(1);
+                one_more(bar);
                 point
             })
         })?;
