@@ -16,7 +16,7 @@ use self::search::FLAT;
 pub(crate) use self::search::{most_runs, optimise};
 use crate::budget::day_numbers;
 use crate::method::{Failure, Options};
-use crate::outcome::{Fields, Outcome, fields, flattened, number};
+use crate::outcome::{Branch, Fields, Outcome, fields, flattened, number};
 use crate::resolution::resonances;
 use crate::run::run_scene;
 use crate::scene_file::{self, Override, Scene, finite_number_of, nearest};
@@ -370,13 +370,13 @@ impl Optimum {
     }
 
     /// The motion at the best values, from another start, whose mean power is better, where that is sought.
-    pub(crate) fn better(&self, request: &Request<'_>) -> Option<[f64; 2]> {
+    pub(crate) fn better(&self, request: &Request<'_>) -> Option<(f64, &Branch)> {
         let own = self.best.value().filter(|_| request.quantity == "mean_power_w")?;
         let branches = self.outcome.branches.iter().flatten();
-        let others = branches.filter_map(|branch| Some([branch.mean_power_w?, branch.share]));
+        let others = branches.filter_map(|branch| Some((branch.mean_power_w?, branch)));
         others
-            .filter(|[power, _]| request.signed(*power) > own + FLAT * own.abs())
-            .max_by(|one, other| request.signed(one[0]).total_cmp(&request.signed(other[0])))
+            .filter(|(power, _)| request.signed(*power) > own + FLAT * own.abs())
+            .max_by(|one, other| request.signed(one.0).total_cmp(&request.signed(other.0)))
     }
 
     pub(crate) fn json(&self, request: &Request<'_>) -> Map<String, Value> {
@@ -404,7 +404,8 @@ impl Optimum {
             "point": of_point(&self.best),
             "range_within_1_percent": ranges(&self.flat),
             "other_optima": others,
-            "better_motion": self.better(request).map(|[value, share]| json!({ "value": value, "share_of_starts": share })),
+            "better_motion": self.better(request).map(|(value, Branch { share, starts, .. })|
+                json!({ "value": value, "share_of_starts": share, "starts": starts })),
             "searched": self.searched,
             "at_bound": by_key(&|index| json!(self.best.is_at_bound(index))),
         }));

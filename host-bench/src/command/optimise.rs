@@ -12,7 +12,7 @@ use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
 use crate::name::Name;
 use crate::optimise::{Constraint, Optimum, Point, Range, Request, Runs, most_runs, optimise, picture};
-use crate::outcome::{Format, folded, shown, small, text};
+use crate::outcome::{Branch, Format, folded, shown, small, text};
 use crate::report::setting::{margin, named, number_and_unit};
 use crate::scene_file::Scene;
 
@@ -187,9 +187,9 @@ fn for_people(found: &Optimum, request: &Request<'_>) -> String {
     let mut text = String::new();
     let sought = if request.is_largest { "largest" } else { "smallest" };
     let _ = writeln!(text, "{sought} {}: {:.6e}", request.quantity, number("value"));
-    if let Some([value, share]) = found.better(request) {
+    if let Some((value, Branch { share, starts, .. })) = found.better(request) {
         let line = "a motion from other starts is better at these values";
-        let _ = writeln!(text, "{line}: {value:.6e}, of {:.0} % of the starts", 100.0 * share);
+        let _ = writeln!(text, "{line}: {value:.6e}, of {:.0} of {starts} starts", share * *starts as f64);
     }
     let place = |point: &Point, flat: &[[f64; 2]], text: &mut String| {
         let values = Optimum::values(request, point).into_iter().zip(flat);
