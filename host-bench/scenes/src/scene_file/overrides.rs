@@ -222,6 +222,7 @@ pub(super) fn number_of(key: &str, text: &str) -> Result<f64, String> {
         parts.find(|(head, _)| is_number(head) && head.parse::<f64>().is_ok()).ok_or_else(String::new)?;
     // The ohm has two signs and two spellings.
     let (rows, suffix) = (rows_of(key), suffix.trim().replace('\u{2126}', "Ω").replace("Ohm", "ohm"));
+    let suffix = suffix.replace("^2", "2").replace("^3", "3");
     let unknown = || {
         let mut known = Vec::new();
         walk(&KEYS, &mut |key| known.push(key.name));
@@ -238,7 +239,7 @@ pub(super) fn number_of(key: &str, text: &str) -> Result<f64, String> {
     }
     // A key whose unit depends on its kind takes a prefix alone.
     let unit = if unit != "1" && rows.iter().all(|row| row.unit == unit) { unit } else { "" };
-    let ascii = unit.replace('Ω', "ohm").replace('²', "2");
+    let ascii = unit.replace('Ω', "ohm").replace('²', "2").replace('³', "3");
     let gram = if unit == "kg" { 1e-3 } else { GRAVITY };
     let units = [("", 1.0), (unit, 1.0), (ascii.as_str(), 1.0), ("g", gram)];
     let units = if ["m/s²", "kg"].contains(&unit) { &units[..] } else { &units[..3] };
@@ -319,7 +320,7 @@ mod tests {
             ("excitation.tones.0.frequency_hz", "1kHz", Some(1e3)),
             ("excitation.amplitude_m_per_s2", "0.2g", Some(1.962)),
             ("excitation.amplitude_m_per_s2", "200mg", Some(1.962)),
-            ("excitation.amplitude_m_per_s2", "2m/s2", Some(2.0)),
+            ("excitation.amplitude_m_per_s2", "2m/s^2", Some(2.0)),
             ("excitation.amplitude_g", "0.2g", Some(0.2)),
             ("excitation.lines", "1k", Some(1e3)),
             ("parameters.mass_kg", "5g", Some(5e-3)),
@@ -329,6 +330,8 @@ mod tests {
             ("parameters.electrode_area_m2", "4e-4m2", Some(4e-4)),
             ("parameters.electrode_area_m2", "400mm2", Some(4e-4)),
             ("parameters.electrode_area_m2", "4 cm²", Some(4e-4)),
+            ("parameters.electrode_area_m2", "4cm^2", Some(4e-4)),
+            ("stop.density_kg_per_m3", "7800 kg/m^3", Some(7800.0)),
             ("parameters.electrode_area_m2", "4km²", None),
             ("parameters.relative_permittivity", "4k1", None),
             ("load.resistance_ohm", "5V", None),

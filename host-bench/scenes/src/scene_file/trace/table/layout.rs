@@ -132,6 +132,8 @@ const UNITS: [(&str, f64); 11] = [
 /// Ends of what a sensor has for each g or m/s², in lower case; and what is no unit in brackets.
 const SENSITIVITIES: [&str; 9] = ["v", "lsb", "count", "counts", "pc", "digit", "digits", "raw", "adc"];
 const NO_UNITS: [&str; 4] = ["x", "y", "z", ""];
+/// Beginnings of the name of an acceleration without `acc`, behind which `G` without brackets is g.
+const ACCELERATIONS: [&str; 6] = ["a ", "a_", "ax", "ay", "az", "besch"];
 /// Relative difference of a stated scale from the unit of the heading up to which both are the same: other values of g.
 const SAME: f64 = 1e-3;
 
@@ -160,11 +162,14 @@ fn unit(heading: &str) -> Option<f64> {
     if let Some(found) = known.or(bracketed.first()) {
         return *found;
     }
-    // A capital G at the end may be the name of a channel.
+    // A capital G at the end may be the name of a channel, unless it is behind that of an acceleration.
     let is_capital = heading.trim_end_matches('0').ends_with('G');
+    let is_named = lower.contains("acc") || ACCELERATIONS.iter().any(|word| lower.starts_with(word));
     UNITS.iter().find_map(|(name, size)| {
-        let before = lower.strip_suffix(name).filter(|before| before.ends_with(['_', ' ', '/']))?;
-        let is_other = is_sensitivity(before) || is_capital && name.starts_with('g');
+        let is_alone = lower == *name && *name != "g0";
+        let before =
+            lower.strip_suffix(name).filter(|before| is_alone || before.ends_with(['_', ' ', '/']))?;
+        let is_other = is_sensitivity(before) || is_capital && !is_named && name.starts_with('g');
         (!is_other).then_some(*size)
     })
 }
@@ -180,6 +185,7 @@ fn scale(heading: &str, stated: Option<f64>, line: u64) -> Result<f64, TraceFaul
             Err(TraceFault::new("path", text))
         }
         (Some(unit), Some(stated)) if !((stated.abs() / unit - 1.0).abs() <= SAME) => {
+            let unit: f64 = format!("{unit:.6e}").parse().unwrap_or(unit);
             let text = format!(
                 "line {line}: must be {unit} by the unit in the heading {heading:?}, or left out, or the heading be without a unit"
             );
@@ -285,6 +291,10 @@ mod tests {
             ("counts / g", None),
             ("LSB/g", None),
             ("Channel G", None),
+            ("acc G", Some(9.81)),
+            ("g", Some(9.81)),
+            ("m/s²", Some(1.0)),
+            ("acc furlong", None),
             ("Acceleration (G)", Some(9.81)),
             ("a (gn)", Some(9.81)),
             ("a (cm/s^2)", Some(1e-2)),
