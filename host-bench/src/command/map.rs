@@ -2,7 +2,6 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use indicatif::ProgressBar;
 use serde_json::json;
@@ -16,7 +15,7 @@ use crate::map::{self, Agreement, Detected, Map, Prediction, Request, Step};
 use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::{self, Fields, text};
-use crate::scene_file;
+use crate::scene_file::{self, finite_number_of};
 
 /// What a map should keep: the 90th percentile of the relative error at most, and at least the share of the places at which the bounds
 /// hold, and that of the places far from a boundary at which its motions are those of the model. That of the median is `--error`.
@@ -32,17 +31,15 @@ const UNUSED: [Unused; 3] = [
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range(pub(super) [f64; 2]);
 
-impl FromStr for Range {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (low, high) = text.split_once(':').ok_or_else(|| format!("{text}: must be LO:HI"))?;
-        let number = |text: &str| text.parse::<f64>().map_err(|_| format!("{text}: must be a number"));
-        let range = [number(low)?, number(high)?];
-        if range[0] > 0.0 && range[0] < range[1] && range[1].is_finite() {
-            Ok(Self(range))
-        } else {
-            Err(format!("{text}: must be two numbers above 0, the lower one first"))
+impl Range {
+    /// Reads `LO:HI` with the units of a key.
+    pub(super) fn of(key: &'static str) -> impl Fn(&str) -> Result<Self, String> + Clone {
+        move |text| {
+            let (low, high) = text.split_once(':').ok_or_else(|| format!("{text}: must be LO:HI"))?;
+            let range = [finite_number_of(key, "LO", low)?, finite_number_of(key, "HI", high)?];
+            let is_range = range[0] > 0.0 && range[0] < range[1];
+            let wrong = || format!("{text}: must be two numbers above 0, the lower one first");
+            is_range.then_some(Self(range)).ok_or_else(wrong)
         }
     }
 }
@@ -53,10 +50,10 @@ pub struct MapArguments {
     #[command(flatten)]
     scene: SceneArguments,
     /// Lowest and highest amplitude in m/s²
-    #[arg(long, value_name = "LO:HI")]
+    #[arg(long, value_name = "LO:HI", value_parser = Range::of("excitation.amplitude_m_per_s2"))]
     amplitude: Range,
     /// Lowest and highest frequency in Hz
-    #[arg(long, value_name = "LO:HI")]
+    #[arg(long, value_name = "LO:HI", value_parser = Range::of("excitation.frequency_hz"))]
     frequency: Range,
     /// Voltage of the storage behind a bridge in V; several, rising, for a slice each
     #[arg(long, value_name = "V,…", value_delimiter = ',')]

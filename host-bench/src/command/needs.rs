@@ -32,10 +32,10 @@ pub struct NeedsArguments {
     #[arg(long, value_name = "REL", default_value_t = 1e-2, allow_hyphen_values = true)]
     accuracy: f64,
     /// Lowest and highest amplitude in m/s² of one sine, at which the accuracy must hold too
-    #[arg(long, value_name = "LO:HI")]
+    #[arg(long, value_name = "LO:HI", value_parser = Range::of("excitation.amplitude_m_per_s2"))]
     amplitude: Option<Range>,
     /// Lowest and highest frequency in Hz of one sine, at which the accuracy must hold too
-    #[arg(long, value_name = "LO:HI")]
+    #[arg(long, value_name = "LO:HI", value_parser = Range::of("excitation.frequency_hz"))]
     frequency: Option<Range>,
     /// Output format
     #[arg(long, value_enum, default_value_t)]

@@ -104,7 +104,7 @@ fn what_has_no_period_map_is_refused() {
     refused(&resonance, &["excitation.kind", "sine"]);
     let range = |from: &'static str, to: &'static str| ["resonance", SHIPPED, "--from", from, "--to", to];
     refused(&range("0", "20"), &["--from 0", "above 0"]);
-    refused(&range("19", "nan"), &["--to NaN"]);
+    refused(&range("19", "nan"), &["--to <HZ>", "must be a finite number"]);
     refused(&range("20", "19"), &["--from 20", "--to 19"]);
     refused(&[&range("19", "20")[..], &["--points", "2"]].concat(), &["--points", "'2'", "from 3"]);
     refused(&[&range("19", "20")[..], &["--method", "reference"]].concat(), &["--method reference"]);
