@@ -148,7 +148,7 @@ impl Plant for LoopedStorage<'_> {
 // ```
 //
 // is solved exactly. Thresholds are checked every second. With a battery the factor of `E` is that of its self-discharge, and of
-// the leakage resistance at the voltage at the begin of an interval.
+// the leakage resistance at the voltage at the beginning of an interval.
 
 /// A storage charged by a given income, and whether the node at it is switched on.
 #[derive(Debug, Clone, PartialEq)]

@@ -33,11 +33,11 @@ pub(super) struct Baseline {
     reservoir: Reservoir,
     rule: Rule,
     second: u32,
-    /// Second of the last reading, of the last action, and of the begin of the hour.
+    /// Second of the last reading, of the last action, and of the beginning of the hour.
     read: u32,
     ran: u32,
     began: u32,
-    /// Stored energy by the last reading, at the begin of the hour or slot, and spent since, in J.
+    /// Stored energy by the last reading, at the beginning of the hour or slot, and spent since, in J.
     energy: f64,
     first: f64,
     spent: f64,
@@ -85,7 +85,7 @@ impl Baseline {
         self.at(self.parameters.storage.lock_out_voltage.into()) + f64::from(self.parameters.reserve)
     }
 
-    /// The income since the begin, with what was drawn and its variance.
+    /// The income since the start, with what was drawn and its variance.
     fn income(&self, begin: u32) -> [f64; 2] {
         let VoltageParameters { converter, standing_power, tolerances, .. } = &self.parameters;
         let drawn = f64::from(*standing_power) * f64::from(self.second - begin);

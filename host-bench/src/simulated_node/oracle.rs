@@ -8,7 +8,7 @@ use super::plant::World;
 /// A storage whose income is known. Energies in J.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Oracle {
-    /// Stored at the begin, and at the end at least.
+    /// Stored at the beginning, and at the end at least.
     pub begin: f64,
     pub end: f64,
     /// At the highest voltage, and at the lock-out.

@@ -61,7 +61,7 @@ pub struct Run {
     pub shunted: f64,
     pub lock_outs: u32,
     pub actions: u32,
-    /// Stored energy after each second; the first is that of the begin.
+    /// Stored energy after each second; the first is that of the beginning.
     pub stored: Vec<f64>,
     /// Second of each action.
     pub acted: Vec<u32>,
@@ -129,7 +129,7 @@ impl<'a> World<'a> {
         world
     }
 
-    /// Seconds since the begin.
+    /// Seconds since the start.
     pub fn second(&self) -> u32 {
         self.income.len() as u32 - 1
     }

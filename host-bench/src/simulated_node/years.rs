@@ -295,7 +295,7 @@ where
 {
     let (stress, end, mut quarters, mut buffer) = (site.stress, site.end, Vec::new(), [0; SLOT]);
     let mut events = Source::of_seed(11);
-    // The version; income at the last reported hour, and income without an estimate; income and estimation at the begin of the quarter.
+    // The version; income at the last reported hour, and income without an estimate; income and estimation at the start of the quarter.
     let (mut version, mut reported, mut unreported, mut begun) = (0, 0.0, 0.0, [0.0; 2]);
     let (mut last, mut hours, mut next) = (None, Hours::default(), 5 * DAY);
     let mut runner = Runner::new(site, &nodes[0].node, 0);

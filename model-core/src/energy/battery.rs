@@ -2,7 +2,7 @@
 //!
 //! The open-circuit voltage is a line between points over the state of charge. Where it rises by `ΔV` over the charge `ΔQ`, the
 //! battery is a capacitor of `ΔQ/ΔV`. With a capacitor `C` beside it, the integral of the voltage over the charge is, from
-//! the energy `E₀` and the voltage `V₀` at the begin of such a piece,
+//! the energy `E₀` and the voltage `V₀` at the beginning of such a piece,
 //!
 //! ```text
 //! E = E₀ + h (V² − V₀²),   h = (ΔQ/ΔV + C)/2,   dE/dV = 2 h V.

@@ -75,7 +75,7 @@ pub struct MapState<const P: usize, const ACTIONS: usize> {
     voltage: VoltageState<ACTIONS>,
     burst: Burst<P>,
     latest: LatestPower,
-    /// Predicted energy since the last reading that was used, and since the begin of the hour.
+    /// Predicted energy since the last reading that was used, and since the start of the hour.
     interval: PredictedEnergy,
     hour: PredictedEnergy,
     /// Gain of the map, its variance, and twice the comparisons in turn that contradict it, with 1 more where they are below it.

@@ -134,7 +134,7 @@ pub struct VoltageState<const ACTIONS: usize> {
     /// Readings in turn at the end of the hour.
     repeated: u32,
     readings: u32,
-    /// Since the begin of the hour, and since the start up to there.
+    /// Since the beginning of the hour, and since the start up to there.
     hour: Books,
     closed: Books,
     last_hour: Option<IncomeOfTime>,
@@ -156,7 +156,7 @@ impl<const ACTIONS: usize> VoltageState<ACTIONS> {
         self.last_hour
     }
 
-    /// Seconds since the begin of the hour.
+    /// Seconds since the start of the hour.
     pub(super) fn seconds_of_hour(&self) -> u32 {
         self.hour.seconds
     }
@@ -510,7 +510,7 @@ impl<const ACTIONS: usize, E: Element> VoltageNode<ACTIONS, E> {
         let mut once = 0.0;
         for action in actions {
             power += action.energy / real(action.every);
-            // It may have been due at the begin.
+            // It may have been due at the beginning.
             once += action.energy;
         }
         power *= self.drawn_per_used;

@@ -63,7 +63,7 @@ impl Element for CapacitorElement {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BatteryElement {
-    /// Energy in J and square of the code at the begin of each piece of the curve, and energy over the square of the code.
+    /// Energy in J and square of the code at the beginning of each piece of the curve, and energy over the square of the code.
     pub(super) pieces: [[f32; 3]; PIECES],
     /// What the open-circuit voltage is above that of a reading, in codes.
     pub(super) drop: f32,
