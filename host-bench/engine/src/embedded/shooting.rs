@@ -261,7 +261,7 @@ fn with_message<H: Coordinates, R: Report<f64, H>>(
 fn warning<T>(verdict: &Verdict<T>) -> Option<String> {
     let why = match verdict {
         Verdict::StablePeriodOne(_) => return None,
-        Verdict::NotReached(_) => "the transient does not reach the stable orbit of one period".to_owned(),
+        Verdict::NotReached(_) => "the transient has not come to the stable orbit of one period".to_owned(),
         Verdict::UnstablePeriodOne(_) => "the orbit of one period is unstable".to_owned(),
         Verdict::NotFound(left) if left.residual.is_finite() => format!(
             "shooting found no orbit of one period: the state still changes by {:.1e} of its half range over a period",
