@@ -48,7 +48,7 @@ impl<'a> Section<'a> {
 
     fn row(&self, key: &str) -> Option<&'static Key> {
         let row = self.table.key(key, self.kind);
-        debug_assert!(row.is_some() || key == self.table.selector, "{}: has no row", self.name(key));
+        assert!(row.is_some() || key == self.table.selector, "{}: has no row", self.name(key));
         row
     }
 
