@@ -1,10 +1,11 @@
 //! Common code of the bridge tests: both harvesters, a storage, a run.
 
 use crate::common::harvesters::{self, Contact, Slide};
+pub(crate) use crate::common::{adaptive, fixed};
 use model_core::clock::Instant;
 use model_core::excitation::{Excitation, Sine};
 use model_core::hybrid::{Automaton, Driver, HybridState};
-use model_core::integrate::{Adaptive, AnyStepControl, FixedStep, Method};
+use model_core::integrate::{AnyStepControl, Method};
 use model_core::observer::{Observer, PowerIndex};
 use model_core::part::draw::AnyDraw;
 use model_core::part::force_law::AnyForceLaw;
@@ -57,14 +58,6 @@ where
     Polynomial: Mathematics<S>,
 {
     Sine::new(S::from_f64(gravities * GRAVITY), S::from_f64(frequency), S::ZERO).expect("in bounds")
-}
-
-pub(crate) fn fixed<S: Scalar>(seconds: f64) -> AnyStepControl<S> {
-    AnyStepControl::Fixed(FixedStep::of_seconds(S::from_f64(seconds)).expect("in bounds"))
-}
-
-pub(crate) fn adaptive<S: Scalar>(tolerance: f64) -> AnyStepControl<S> {
-    AnyStepControl::Adaptive(Adaptive::new(S::from_f64(tolerance)).expect("in bounds"))
 }
 
 /// The default start of a scene.

@@ -6,7 +6,7 @@ use crate::common::harvesters::{
 use crate::common::{adaptive, finished};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled};
-use model_core::integrate::{Adaptive, TrBdf2};
+use model_core::integrate::{AnyStepControl, TrBdf2};
 use model_core::part::draw::{AnyDraw, CurrentDraw, Lockout, PowerDraw};
 use model_core::part::load::AnyLoad;
 use model_core::part::storage::{AnyStorage, Capacitor, StorageCapacitor};
@@ -18,7 +18,7 @@ use model_core::snapshot::SnapshotError;
 
 type Bridge = FullBridge<f32, AnyStorage<f32>>;
 type Bridged = Rectified<f32, Contact<f32>, AnyStorage<f32>>;
-type Hybrid = Simulation<Bridged, TrBdf2, Adaptive<f32>, STATES, 1>;
+type Hybrid = Simulation<Bridged, TrBdf2, AnyStepControl<f32>, STATES, 1>;
 
 const RATE: f32 = 400.0;
 

@@ -10,8 +10,6 @@ use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
 use model_core::scene::contact_separation::Start;
 use std::f64::consts::TAU;
 
-/// Random scenes of a test.
-const SCENES: u64 = 400;
 /// Natural periods of a run.
 const PERIODS: f64 = 5.0;
 /// The deepest end of a step below the contact, in gaps.
@@ -84,12 +82,22 @@ fn impacts(number: u64, tolerance: Option<f64>) -> Impacts {
     impacts
 }
 
-#[test]
-fn a_mass_behind_a_bridge_does_not_pass_the_contact() {
-    for number in (0..SCENES).chain(MISSED).chain([OTHER_BRACKET]) {
+fn none_is_passed(numbers: impl Iterator<Item = u64>) {
+    for number in numbers {
         let found = impacts(number, None);
         assert!(found.depth < DEEPEST, "scene {number}: {found:?}");
     }
+}
+
+#[test]
+fn a_mass_behind_a_bridge_does_not_pass_the_contact() {
+    none_is_passed((0..40).chain(MISSED).chain([OTHER_BRACKET]));
+}
+
+#[test]
+#[ignore = "nightly: a quarter of a minute"]
+fn a_mass_behind_a_bridge_does_not_pass_the_contact_in_more_scenes() {
+    none_is_passed(40..400);
 }
 
 #[test]

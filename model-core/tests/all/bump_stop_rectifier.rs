@@ -5,7 +5,8 @@
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
-use crate::bridged::{advance, baseline, bus, close, measured, seconds, storage, vibration};
+use crate::bridged::{advance, baseline, bus, close, measured, seconds, storage};
+use model_core::energy::RunMeter;
 use model_core::excitation::Sine;
 use model_core::observer::PowerIndex;
 use model_core::part::draw::AnyDraw;
@@ -47,12 +48,22 @@ fn one_mode<L: Circuit<f64>>(
     Stepper::with_all_powers(parameters.build().expect("valid"), STEP, STEP).expect("in bounds")
 }
 
-/// Mean power over 22 periods of a motion that has settled for 1.5 s.
-fn settled_power<P: Parts<f64>>(stepper: &Stepper<f64, P, 1, 0, 1>, hertz: f64) -> f64 {
-    let excitation = vibration(hertz);
-    let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
-    stepper.advance(&mut state, &excitation, seconds(1.5), u32::MAX, &mut ()).expect("runs");
-    measured(stepper, &mut state, &excitation, 1.5 + 22.0 / hertz).mean_power()
+/// 22 periods after so many seconds, from the lowest point of the motion without electrical force.
+fn settled<P: Parts<f64>>(stepper: &Stepper<f64, P, 1, 0, 1>, hertz: f64, settle: f64) -> RunMeter<f64> {
+    let (amplitude, lag) = receptance(hertz);
+    let excitation = Sine::<f64>::new(BASE, hertz, lag + FRAC_PI_2).expect("valid");
+    let start = Start { beam: [[-amplitude * BASE, 0.0]], ..Start::default() };
+    let mut state = stepper.scene().start(&start, &excitation).expect("valid");
+    stepper.advance(&mut state, &excitation, seconds(settle), u32::MAX, &mut ()).expect("runs");
+    measured(stepper, &mut state, &excitation, settle + 22.0 / hertz)
+}
+
+/// The same with one-way coupling: the motion is steady from the start, and the circuit after some periods.
+fn weakly_coupled<L: Circuit<f64>>(load: L) -> RunMeter<f64>
+where
+    AnyChoices<f64, L>: Parts<f64>,
+{
+    settled(&one_mode(baseline(load), AnyCoupling::OneWay), HERTZ, 0.05)
 }
 
 /// Weak coupling: `P = 4 f C_p V_dc (V_oc − V_dc − 2 V_D)`, diode loss `8 f C_p V_D (V_oc − V_dc − 2 V_D)`.
@@ -63,11 +74,7 @@ fn a_bus_takes_what_the_closed_form_says() {
     for drop in [0.0, 0.3] {
         for part in [0.25, 0.5, 0.75] {
             let volts = part * open;
-            let stepper = one_mode(baseline(bus(volts, drop)), AnyCoupling::OneWay);
-            let excitation = vibration(HERTZ);
-            let mut state = stepper.scene().start(&Start::default(), &excitation).expect("valid");
-            advance(&stepper, &mut state, &excitation, 1.5);
-            let meter = measured(&stepper, &mut state, &excitation, 1.6);
+            let meter = weakly_coupled(bus(volts, drop));
             let beyond = open - volts - 2.0 * drop;
             close("power", meter.mean_power(), 4.0 * HERTZ * CAPACITANCE * volts * beyond, 1e-5);
             let lost = meter.integrals().integral(PowerIndex::Diodes) / 0.1;
@@ -81,10 +88,10 @@ fn a_bus_takes_what_the_closed_form_says() {
         }
     }
     // Another program, not in this repository: event-driven, in NumPy, by the eigenvectors of each regime.
-    let half = one_mode(baseline(bus(7.087_22 / 2.0, 0.0)), AnyCoupling::OneWay);
-    close("published power", settled_power(&half, HERTZ), 176.0311e-6, 1e-5);
-    let half = one_mode(baseline(bus((7.087_22 - 0.6) / 2.0, 0.3)), AnyCoupling::OneWay);
-    close("published power with diodes", settled_power(&half, HERTZ), 147.4874e-6, 1e-5);
+    let half = weakly_coupled(bus(7.087_22 / 2.0, 0.0));
+    close("published power", half.mean_power(), 176.0311e-6, 1e-5);
+    let half = weakly_coupled(bus((7.087_22 - 0.6) / 2.0, 0.3));
+    close("published power with diodes", half.mean_power(), 147.4874e-6, 1e-5);
 }
 
 /// A constant slope amplitude charges by
@@ -142,7 +149,8 @@ fn with_a_tenth_of_the_coupling_the_voltage_is_that_of_a_harmonic_displacement()
             // A storage so large that it is a bus. From its income at the voltage of the closed form to the
             // voltage at which that is V²/R: the current falls by 4 f C_p per volt.
             let parameters = Parameters { piezo_d31: -19e-12, ..baseline(bus(harmonic, 0.0)) };
-            let income = settled_power(&one_mode(parameters, AnyCoupling::TwoWay), hertz) / harmonic;
+            let stepper = one_mode(parameters, AnyCoupling::TwoWay);
+            let income = settled(&stepper, hertz, 0.75).mean_power() / harmonic;
             let surplus = income - harmonic / ohms;
             let volts = harmonic + surplus / (1.0 / ohms + 4.0 * hertz * CAPACITANCE);
             close(&format!("{hertz} Hz, {ohms} Ω, fundamental"), volts, harmonic, 1e-5);
@@ -156,16 +164,11 @@ fn with_a_tenth_of_the_coupling_the_voltage_is_that_of_a_harmonic_displacement()
 fn the_best_resistor_and_the_best_bus_are_those_of_weak_coupling() {
     let (omega, open) = (TAU * HERTZ, open_voltage());
     let best = 1.0 / (omega * CAPACITANCE);
-    let power = |ohms| {
-        settled_power(
-            &one_mode(baseline(Resistive(AnyLoad { resistance: ohms })), AnyCoupling::OneWay),
-            HERTZ,
-        )
-    };
+    let power = |resistance| weakly_coupled(Resistive(AnyLoad { resistance })).mean_power();
     let resistive = power(best);
     close("resistor", resistive, 0.25 * omega * CAPACITANCE * open * open, 1e-5);
     assert!(power(0.9 * best) < resistive && power(1.1 * best) < resistive);
-    let rectified = |volts| settled_power(&one_mode(baseline(bus(volts, 0.0)), AnyCoupling::OneWay), HERTZ);
+    let rectified = |volts| weakly_coupled(bus(volts, 0.0)).mean_power();
     let bus = rectified(0.5 * open);
     close("bus over resistor", bus / resistive, FRAC_2_PI, 2e-5);
     assert!(rectified(0.45 * open) < bus && rectified(0.55 * open) < bus);
@@ -180,11 +183,11 @@ fn no_load_takes_more_than_the_damping_leaves() {
     for hertz in [MODE_HERTZ, 242.5] {
         for volts in [8.0, 12.0, 20.0] {
             let stepper = one_mode(baseline(bus(volts, 0.0)), AnyCoupling::TwoWay);
-            best[0] = best[0].max(settled_power(&stepper, hertz));
+            best[0] = best[0].max(settled(&stepper, hertz, 0.4).mean_power());
         }
         for ohms in [16.2e3, 40e3] {
             let stepper = one_mode(baseline(Resistive(AnyLoad { resistance: ohms })), AnyCoupling::TwoWay);
-            best[1] = best[1].max(settled_power(&stepper, hertz));
+            best[1] = best[1].max(settled(&stepper, hertz, 0.4).mean_power());
         }
     }
     println!("of the bound: bus {}, resistor {}", best[0] / bound, best[1] / bound);

@@ -10,7 +10,7 @@ use model_core::energy::estimator::{EstimatorError, Progress};
 use model_core::excitation::Excitation;
 use model_core::hybrid::{Automaton, Driver, Ended, Guard, HybridState, InputAt, Jump, StepError, Work};
 use model_core::integrate::{
-    Adaptive, DenseFactor, ErrorScale, FixedStep, Method, Point, StepControl, System,
+    Adaptive, AnyStepControl, DenseFactor, ErrorScale, FixedStep, Method, Point, StepControl, System,
 };
 use model_core::observer::{AcceptedStep, Event, Observer, Outputs, PowerIndex};
 use model_core::scalar::Scalar;
@@ -301,14 +301,14 @@ where
     }
 }
 
-/// Adaptive steps of a relative tolerance.
-pub(crate) fn adaptive<S: Scalar>(tolerance: S) -> Adaptive<S> {
-    Adaptive::new(tolerance).expect("in bounds")
+/// Adaptive steps of a relative tolerance: of one type with [`fixed`], so that the problems are compiled once for both.
+pub(crate) fn adaptive<S: Scalar>(tolerance: f64) -> AnyStepControl<S> {
+    AnyStepControl::Adaptive(Adaptive::new(S::from_f64(tolerance)).expect("in bounds"))
 }
 
 /// Steps of so many seconds.
-pub(crate) fn fixed<S: Scalar>(seconds: S) -> FixedStep {
-    FixedStep::of_seconds(seconds).expect("in bounds")
+pub(crate) fn fixed<S: Scalar>(seconds: f64) -> AnyStepControl<S> {
+    AnyStepControl::Fixed(FixedStep::of_seconds(seconds).expect("in bounds"))
 }
 
 /// A name for tables: `f32` or `f64`.

@@ -4,17 +4,17 @@ use model_core::clock::Instant;
 use model_core::energy::PowerMeter;
 use model_core::excitation::{Burst, Excitation, Random, SpectralDensity, Sweep, SweepLaw};
 use model_core::hybrid::Ended;
-use model_core::integrate::{Adaptive, ExponentialRadau};
+use model_core::integrate::ExponentialRadau;
 use model_core::part::load::Resistor;
 use model_core::part::restitution::ConstantRestitution;
 use model_core::scalar::Scalar;
 use model_core::scene::contact_separation::{Choices, Parameters, Start};
 use model_core::scene::{Harvester, Simulation, bump_stop};
 
-use crate::common::harvesters::bump_parameters;
+use crate::common::{adaptive, harvesters::bump_parameters};
 
 /// Delivered energy and end of a run that is divided as told.
-fn run<S: Scalar>(excitation: &impl Excitation<S>, budget: u32, stops: &[f64]) -> (S, S) {
+fn run<S: Scalar>(excitation: &dyn Excitation<S>, budget: u32, stops: &[f64]) -> (S, S) {
     let number = S::from_f64;
     let scene = Parameters {
         mass: number(5e-3),
@@ -32,13 +32,14 @@ fn run<S: Scalar>(excitation: &impl Excitation<S>, budget: u32, stops: &[f64]) -
     }
     .build()
     .expect("valid");
-    let harvester = Simulation::new(scene, ExponentialRadau, Adaptive::new(number(1e-3)).expect("valid"));
-    let mut state = harvester.start(&Start::default(), excitation).expect("starts");
+    let harvester = Simulation::new(scene, ExponentialRadau, adaptive(1e-3));
+    let mut state = harvester.start(&Start::default(), &excitation).expect("starts");
     let mut meter = PowerMeter::new();
     for stop in stops {
         let until = Instant::from_seconds(*stop).expect("in range");
         loop {
-            let advance = harvester.advance(&mut state, excitation, until, budget, &mut meter).expect("runs");
+            let advance =
+                harvester.advance(&mut state, &excitation, until, budget, &mut meter).expect("runs");
             if advance.ended == Ended::Finished {
                 break;
             }
@@ -47,7 +48,7 @@ fn run<S: Scalar>(excitation: &impl Excitation<S>, budget: u32, stops: &[f64]) -
     (meter.delivered_energy(), harvester.outputs(&state).voltage)
 }
 
-fn check<S: Scalar>(excitation: &impl Excitation<S>, other: &impl Excitation<S>) {
+fn check<S: Scalar>(excitation: &dyn Excitation<S>, other: &dyn Excitation<S>) {
     let whole = run(excitation, u32::MAX, &[1.0]);
     assert!(whole.0 > S::ZERO);
     for budget in [0, 17, 100] {

@@ -77,7 +77,7 @@ fn pass<S: Scalar>(graze: Graze, method: impl Method<S>, phase: f64, step: f64) 
     } else {
         [phase.cos(), -phase.sin()]
     };
-    let control = fixed(S::from_f64(step / PACE));
+    let control = fixed(step / PACE);
     let mut run = Run::start(graze, Side::Below, start.map(S::from_f64), Silence, method, control);
     let work = run.to((step - 2.0 * phase) / PACE).expect("smooth");
     assert!(work.steps + work.locating < 100, "{work:?}");
@@ -208,7 +208,7 @@ impl<S: Scalar> Problem<S, 1> for Walk<'_> {
 
 /// Guards and positions, in order, at which a walk from −1 to 1 in one step passes the fences.
 fn walk<S: Scalar>(fences: &[fn(f64) -> [f64; 2]], method: impl Method<S>) -> Vec<(usize, f64)> {
-    let control = fixed(S::from_f64(2.0 / PACE));
+    let control = fixed(2.0 / PACE);
     let mut run = Run::start(Walk { fences }, 0, [-S::ONE], Silence, method, control);
     let work = run.to(2.0 / PACE).expect("smooth");
     assert!(work.steps + work.locating < 30 * (1 + fences.len() as u32), "{work:?}");

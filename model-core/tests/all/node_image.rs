@@ -7,7 +7,7 @@ use model_core::energy::{
     Budget, BudgetParameters, BudgetState, Capacitor, Estimator, IncomeParameters, StorageParameters,
 };
 use model_core::excitation::{LineBank, LineBankState};
-use model_core::integrate::{Adaptive, ExponentialRadau};
+use model_core::integrate::{AnyStepControl, ExponentialRadau};
 use model_core::scalar::Scalar;
 use model_core::scene::Simulation;
 use model_core::snapshot::{self, Image, SnapshotError};
@@ -17,7 +17,7 @@ const RATE: f64 = 200.0;
 /// Samples of the accelerometer in a minute: the node listens for a second.
 const SAMPLES: u32 = 200;
 
-type Harvester<S> = Simulation<Contact<S>, ExponentialRadau, Adaptive<S>, 3, 1>;
+type Harvester<S> = Simulation<Contact<S>, ExponentialRadau, AnyStepControl<S>, 3, 1>;
 
 /// The configuration of a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,7 +83,7 @@ impl<S: Scalar> Node<S> {
         };
         let standing_power = number(numbers.standing_power);
         let budget = BudgetParameters { storage, income, standing_power }.build().expect("in bounds");
-        let control = adaptive(number(numbers.tolerance));
+        let control = adaptive(numbers.tolerance);
         let settings = Settings {
             format: SampleFormat::accelerations(number(60.0), number(0.0)),
             longest_gap: numbers.longest_gap,

@@ -73,8 +73,7 @@ fn prothero_robinson_keeps_its_order_however_stiff() {
 fn prothero_robinson_a_stiff_component_does_not_throttle_the_step() {
     let attempts = |lambda: f64, tolerance: f64| {
         let (double, attempts) = prothero_robinson::<f64>(lambda, 0.0, adaptive(tolerance));
-        let (single, single_attempts) =
-            prothero_robinson::<f32>(lambda, 0.0, adaptive(f32::from_f64(tolerance)));
+        let (single, single_attempts) = prothero_robinson::<f32>(lambda, 0.0, adaptive(tolerance));
         println!(
             "PR {lambda:.0e} tolerance {tolerance:.0e}: f64 {double:.2e} in {attempts}, f32 {single:.2e} in {single_attempts}"
         );

@@ -28,7 +28,7 @@ where
     };
     let scene = parameters.build().expect("in bounds");
     let sine = Sine::<S>::new(number(acceleration), number(frequency), S::ZERO).expect("valid");
-    let driver = Driver::new(TrBdf2, adaptive(number(1e-4)));
+    let driver = Driver::new(TrBdf2, adaptive(1e-4));
     let mut state = scene.start::<_, _, 1>(&Start::default(), &sine, &driver.control).expect("in bounds");
     let end = Instant::from_seconds(seconds).expect("a time");
     // Ten times what double precision takes for the longest.

@@ -54,7 +54,7 @@ impl<S: Scalar> Problem<S, 2> for Oscillator {
 /// Errors of the state after two periods, and of the mean square velocity over them.
 fn oscillator_errors<S: Scalar>(method: impl Method<S>, steps_per_period: u32) -> [f64; 2] {
     let period = core::f64::consts::TAU / FORCED;
-    let control = fixed(S::from_f64(period / f64::from(steps_per_period)));
+    let control = fixed(period / f64::from(steps_per_period));
     let mut run = Run::start(Oscillator, (), [S::ONE, S::ZERO], Given(force), method, control);
     let end = 2.0 * period;
     run.to(end).expect("smooth");
@@ -127,7 +127,7 @@ impl<S: Scalar> Problem<S, 2> for VanDerPol {
 /// Error of `y1` at `t = 2`, from `(2, 0)`, with the steps it took.
 fn van_der_pol_error<S: Scalar>(epsilon: f64, pace: f64, tolerance: f64, reference: [f64; 2]) -> (f64, u32) {
     let problem = VanDerPol { per_epsilon: 1.0 / epsilon, pace };
-    let control = adaptive(S::from_f64(tolerance));
+    let control = adaptive(tolerance);
     let mut run = Run::start(problem, (), [S::from_f64(2.0), S::ZERO], Silence, TrBdf2, control);
     let work = run.to(2.0 / problem.pace).expect("smooth");
     let errors = [0, 1].map(|i| (run.entry(i) - reference[i]).abs());
@@ -241,7 +241,7 @@ impl<S: Scalar> Problem<S, 3> for Robertson {
 
 fn robertson<S: Scalar>(tolerance: f64, until: f64, reference: [f64; 3]) -> ([f64; 3], Vec<f64>) {
     let input = Given(|clock: f64| LOG_PACE * LOG_START * (LOG_PACE * clock).exp());
-    let control = adaptive(S::from_f64(tolerance));
+    let control = adaptive(tolerance);
     let mut run = Run::start(Robertson, 0, [S::ONE, S::ZERO, S::ZERO], input, TrBdf2, control);
     let work = run.to(clock_of(until)).expect("smooth");
     let errors = [0, 1, 2].map(|i| (run.entry(i) / reference[i] - 1.0).abs());

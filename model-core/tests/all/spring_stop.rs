@@ -177,7 +177,7 @@ fn adaptive_steps_follow_a_contact_of_any_stiffness() {
                 .assert_below([late, slow, 1e-6, period, 1e-6, energy]);
             // The few roundings that a step is allowed take over: it is the longest of the clock.
             let [late, slow, period, energy] = free_flight(LONGEST_STEP_S);
-            measure::<f32>(&name, stiffness, TrBdf2, adaptive(f32::from_f64(tolerance))).assert_below([
+            measure::<f32>(&name, stiffness, TrBdf2, adaptive(tolerance)).assert_below([
                 late + 7e-7,
                 slow + 4e-8,
                 5e-5,
@@ -190,13 +190,14 @@ fn adaptive_steps_follow_a_contact_of_any_stiffness() {
 }
 
 fn assert_orders<M: Method<f64> + Method<f32> + Copy>(name: &str, method: M, order: f64) {
-    for (stiffness, _) in PRINTED {
+    // The stiffest takes ten times the steps.
+    for &(stiffness, _) in &PRINTED[..2] {
         // 16 steps in a contact, and 31: their errors are far above a tick.
         let lengths = [0.2, 0.1];
         let [coarse, fine] = lengths.map(|radians| {
-            let control = fixed(radians / stiffness.sqrt());
-            let double = measure::<f64>(name, stiffness, method, control);
-            let single = measure::<f32>(name, stiffness, method, control);
+            let step = radians / stiffness.sqrt();
+            let double = measure::<f64>(name, stiffness, method, fixed(step));
+            let single = measure::<f32>(name, stiffness, method, fixed(step));
             // Rounding adds little to what the method does.
             assert!((double.contact - single.contact).abs() < 1e-6, "{double:?} {single:?}");
             assert!((double.period - single.period).abs() < 1e-6, "{double:?} {single:?}");

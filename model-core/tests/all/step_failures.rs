@@ -139,7 +139,6 @@ fn a_derivative_that_ceases_to_exist() {
         assert_vanishes::<f64>(trouble, &Driver::new(TrBdf2, fixed(1e-3)));
         assert_vanishes::<f32>(trouble, &Driver::new(TrBdf2, fixed(1e-3)));
         assert_vanishes::<f64>(trouble, &Driver::new(RungeKutta4, fixed(1e-3)));
-        assert_vanishes::<f32>(trouble, &Driver::new(RungeKutta4, fixed(1e-3)));
     }
 }
 
@@ -192,7 +191,7 @@ fn a_quantity_outside_its_domain_is_named_with_its_value() {
         assert!(value < MIDDLE && kept >= MIDDLE && kept - value < 5e-3, "{value}, {kept}");
     }
     leaves::<f64>(&Driver::new(TrBdf2, adaptive(1e-3)));
-    leaves::<f32>(&Driver::new(RungeKutta4, fixed(1e-3)));
+    leaves::<f32>(&Driver::new(TrBdf2, fixed(1e-3)));
 }
 
 /// Calls again after a failure: the same failure at the same time, and the same point.
@@ -221,9 +220,6 @@ fn calling_again_after_a_vanished_step_changes_nothing() {
     for trouble in [Trouble::NotANumber, Trouble::Infinite, Trouble::NoMatrix] {
         assert_lasting::<f64>(trouble, &Driver::new(TrBdf2, adaptive(1e-3)));
         assert_lasting::<f32>(trouble, &Driver::new(TrBdf2, fixed(1e-3)));
-    }
-    for trouble in [Trouble::NotANumber, Trouble::Infinite] {
-        assert_lasting::<f64>(trouble, &Driver::new(RungeKutta4, fixed(1e-3)));
     }
 }
 

@@ -1,6 +1,5 @@
 //! The scene of the paper, and a run of it.
 
-use model_core::clock::Instant;
 use model_core::energy::RunMeter;
 use model_core::excitation::{Excitation, Sine};
 use model_core::observer::{AcceptedStep, Observer, PowerIndex};
@@ -8,15 +7,12 @@ use model_core::scalar::Scalar;
 use model_core::scene::Harvester;
 use model_core::scene::bump_stop::{AnyChoices, Parameters, Parts, Start, Stepper, TipMass};
 
+pub(super) use crate::bridged::seconds;
 /// The baseline.
 pub(super) use crate::common::harvesters::bump_parameters as baseline;
 
 pub(super) fn vibration<S: Scalar>() -> Sine<S, S::Build> {
     Sine::new(S::from_f64(20.0), S::from_f64(220.0), S::ZERO).expect("valid")
-}
-
-pub(super) fn seconds(seconds: f64) -> Instant {
-    Instant::from_seconds(seconds).expect("a time")
 }
 
 pub(super) fn close(value: f64, expected: f64, relative: f64) {

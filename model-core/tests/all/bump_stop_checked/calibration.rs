@@ -166,7 +166,7 @@ impl Case {
         parameters
     }
 
-    /// The statements with each of `steps`, in `f32` if `single`; `None` if the input brings nothing.
+    /// The statements with each of `steps`, in `f32` with (4, 1) modes if `single`; `None` if the input brings nothing.
     fn judged<const B: usize, const R: usize>(
         &self,
         steps: &[[f64; 2]],
@@ -206,7 +206,7 @@ impl Case {
         let found: Vec<Found> = steps
             .iter()
             .map(|&pair| match single {
-                true => self.found::<f32, M, B, R>(small, pair, every),
+                true => self.found::<f32, M, 4, 1>(small, pair, every),
                 false => self.found::<f64, L, B, R>(load, pair, every),
             })
             .collect();
@@ -318,7 +318,7 @@ fn the_error_of_some_random_scenes_is_stated() {
     let steps = [STEPS[2], STEPS[3]];
     let cases = (0..12).filter_map(|number| {
         let case = Case::random(&mut random, number, 1.5);
-        case.judged::<3, 1>(&steps, [1e-6, 20e-6], number % 2 == 0, 4)
+        case.judged::<4, 1>(&steps, [1e-6, 20e-6], number % 2 == 0, 4)
     });
     let all: Vec<Vec<Judged>> = cases.collect();
     let [inside, _, of_steps] = summed_up_by_steps(&all, &steps);

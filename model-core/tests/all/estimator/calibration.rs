@@ -15,7 +15,7 @@ use model_core::clock::Instant;
 use model_core::energy::estimator::{Interpolation, Settings};
 use model_core::energy::{Estimator, PowerMeter};
 use model_core::excitation::{AfterLastSample, Sampled};
-use model_core::integrate::{Adaptive, ExponentialRadau};
+use model_core::integrate::{AnyStepControl, ExponentialRadau};
 use model_core::scalar::Scalar;
 use model_core::scene::{Harvester, Scene, Simulation};
 
@@ -129,7 +129,7 @@ struct Case<A, B> {
 impl<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy> Case<A, B> {
     /// The statement against the truth for each interpolation; `None` if the input brings nothing.
     fn compare(&self, vibration: &Vibration) -> Option<[Compared; 2]> {
-        let control = adaptive(self.tolerance as f32);
+        let control = adaptive(self.tolerance);
         let harvester: Simulation<_, _, _, 3, 1> = Simulation::new(self.single, ExponentialRadau, control);
         let found = INTERPOLATIONS.map(|interpolation| {
             let settings = Settings { interpolation, ..settings::<f32>(self.rate) };
@@ -158,7 +158,9 @@ impl<A: Scene<f32, 3, 1> + Copy, B: Scene<f64, 3, 1> + Copy> Case<A, B> {
     }
 }
 
-pub(super) fn exact<B: Scene<f64, 3, 1>>(scene: B) -> Simulation<B, ExponentialRadau, Adaptive<f64>, 3, 1> {
+pub(super) fn exact<B: Scene<f64, 3, 1>>(
+    scene: B,
+) -> Simulation<B, ExponentialRadau, AnyStepControl<f64>, 3, 1> {
     Simulation::new(scene, ExponentialRadau, adaptive(1e-7))
 }
 
@@ -281,7 +283,7 @@ fn print_errors_by_rate(inputs: &[Input]) {
 #[test]
 fn the_stated_uncertainty_covers_the_error_of_a_few_random_inputs_and_is_not_much_larger() {
     // Two seconds, in which most motions are still rising.
-    for (inside, ratio) in tables(&random_inputs(TESTED, 36, 2.0)) {
+    for (inside, ratio) in tables(&random_inputs(TESTED, 24, 2.0)) {
         assert!(inside >= 0.85 && (1.0..10.0).contains(&ratio), "{inside} {ratio}");
     }
 }
@@ -305,11 +307,11 @@ fn the_stated_uncertainty_covers_the_error_in_95_of_100_random_inputs() {
 /// error can be too small: the harvester takes up little of the fast tone, but by friction that tone acts on the slow one.
 #[test]
 fn the_error_of_two_tones_is_inside_without_the_filter_and_small_with_it() {
-    for rate in [150.0, 200.0, 400.0] {
+    for rate in [150.0, 400.0] {
         let (single, double) = sliding_scenes(5e-3, 1e8);
         let tone = |frequency: f64, phase: f64| [1.0, frequency, phase, 0.0, f64::INFINITY];
         let parts = vec![tone(exact(double).resonance_frequency(), 0.0), tone(0.3 * rate, 1.0)];
-        let case = Case { single, double, tolerance: 1e-2, rate, seconds: 4.0 };
+        let case = Case { single, double, tolerance: 1e-2, rate, seconds: 2.5 };
         let [linear, filter] = case.compare(&Vibration { parts, scale: 4.0 }).expect("brings something");
         println!("{rate} Hz: linear {linear:?}, filter {filter:?}");
         assert!(linear.error <= linear.stated && linear.stated < 30.0 * linear.error, "{linear:?}");

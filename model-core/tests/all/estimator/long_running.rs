@@ -164,7 +164,7 @@ fn gravity_is_tracked_removed_and_reported() {
 #[test]
 fn what_is_not_estimated_is_unknown() {
     let samples = sine_samples::<f32>(3.53, 18.37, 400.0, 800);
-    let fixed = fixed(2e-3_f32);
+    let fixed = fixed(2e-3);
     let explicit = follow(
         &mut Estimator::new(hybrid(slide::<f32>(), RungeKutta4, fixed), settings(400.0)).expect("valid"),
         &samples,

@@ -74,9 +74,8 @@ fn covers_with_steps<A: Scene<f32, 3, 1>, B: Scene<f64, 3, 1>>(
     step: f64,
     (single, double): (Vec<f32>, Vec<f64>),
 ) {
-    let control = fixed(step);
-    let [exact, ..] = measured(of_double, control, &double);
-    let [energy, _, figure] = measured(of_single, control, &single);
+    let [exact, ..] = measured(of_double, fixed(step), &double);
+    let [energy, _, figure] = measured(of_single, fixed(step), &single);
     covers(exact, energy, figure);
 }
 

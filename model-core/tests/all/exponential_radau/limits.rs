@@ -33,11 +33,11 @@ fn near_pull_in_the_run_is_that_of_tr_bdf2() {
         for resistance in [1e4, 1e7, 1e9] {
             let scene = soft(part, resistance);
             let vibration = sine(0.02, 6.0);
-            let tight = adaptive(1e-8);
-            let exact = run(scene, &Start::default(), TrBdf2, tight, &vibration, 1.0);
+            let tight = adaptive(1e-7);
+            let exact = run(scene, &Start::default(), TrBdf2, tight, &vibration, 0.5);
             for (tolerance, allowed) in [(1e-3, 1e-2), (1e-6, 2e-5)] {
                 let control = adaptive(tolerance);
-                let found = run(scene, &Start::default(), ExponentialRadau, control, &vibration, 1.0);
+                let found = run(scene, &Start::default(), ExponentialRadau, control, &vibration, 0.5);
                 let off = (found.power / exact.power - 1.0).abs();
                 println!(
                     "{part} of the pull-in force, {resistance:e} Ω, {tolerance:e}: off by {off:.1e}, {} attempts, {} and {} events",
@@ -59,7 +59,7 @@ fn a_fixed_step_longer_than_the_series_allows_is_shortened() {
         let vibration = sine(1.0, frequency);
         let control = fixed(LONGEST_STEP_S);
         let found = run(scene, &Start::default(), ExponentialRadau, control, &vibration, 0.3);
-        let exact = run(scene, &Start::default(), TrBdf2, adaptive(1e-8), &vibration, 0.3);
+        let exact = run(scene, &Start::default(), TrBdf2, adaptive(1e-5), &vibration, 0.3);
         let off = (found.power / exact.power - 1.0).abs();
         println!("damping ratio {ratio}, {frequency} Hz: {} attempts, off by {off:.1e}", found.attempts);
         let fastest = (2.0 * ratio * 126.5).max(core::f64::consts::TAU * frequency);
@@ -75,7 +75,7 @@ where
 {
     let number = S::from_f64;
     let scene = contact_parameters::<S>().build().expect("in bounds");
-    let harvester = Simulation::new(scene, ExponentialRadau, adaptive(number(0.01)));
+    let harvester = Simulation::new(scene, ExponentialRadau, adaptive(0.01));
     let vibration = Sine::<S>::new(number(0.2 * 9.81), number(22.0), S::ZERO).expect("in bounds");
     let mut state = harvester.start(&contact_separation::Start::default(), &vibration).expect("in bounds");
     [[15, 20], [195, 200]].map(|[from, until]| {
