@@ -146,7 +146,7 @@ fn call_estimator<S: Scalar, H: Harvester<S> + Copy>(
 #[test]
 fn samples_into_an_estimator() {
     let (mass, cantilever, beam) = (estimator(mass()), estimator(cantilever()), estimator(beam()));
-    fuzz("samples into an estimator", 2000, |bytes| match below(bytes, 3) {
+    fuzz("samples into an estimator", 1000, |bytes| match below(bytes, 3) {
         0 => call_estimator(bytes, &mass),
         1 => call_estimator(bytes, &cantilever),
         _ => call_estimator(bytes, &beam),
@@ -225,7 +225,7 @@ fn judge_books(now: Status) {
 #[test]
 fn a_node_by_the_voltage() {
     let node = voltage_node();
-    fuzz("calls of a node, voltage", 2500, |bytes| {
+    fuzz("calls of a node, voltage", 1250, |bytes| {
         call_node(bytes, &node, |state| judge_books(node.status(state)))
     });
 }
@@ -233,7 +233,7 @@ fn a_node_by_the_voltage() {
 #[test]
 fn a_node_by_a_map() {
     let node = node();
-    fuzz("calls of a node, map", 2500, |bytes| {
+    fuzz("calls of a node, map", 1250, |bytes| {
         call_node(bytes, &node, |state| judge_books(node.status(state)))
     });
 }

@@ -94,7 +94,7 @@ fn budget<S: Scalar>() -> (Budget<S, 12>, BudgetState<S, 12>) {
 fn budgets<S: Scalar>(name: &'static str) {
     let (budget, state) = budget::<S>();
     let action = Action::new("transmit", S::from_f64(1e-4), S::from_f64(0.1)).expect("in bounds");
-    judge(name, 4000, (&budget, &state), |bytes, mut state| {
+    judge(name, 2000, (&budget, &state), |bytes, mut state| {
         let _ = (budget.can_afford(&state, &action, 40_000), budget.can_run_now(&state, &action, 40_000));
         let _ = budget.sustainable_rate(&state, &action);
         for interval in [60, 1, 90_000, any(bytes)] {
@@ -145,9 +145,9 @@ macro_rules! estimators {
 }
 
 estimators! {
-    estimators_of_a_mass, "images of an estimator, contact-separation", f32, mass(), 2500;
-    estimators_of_a_cantilever, "images of an estimator, sliding", f64, cantilever(), 2500;
-    estimators_of_a_beam, "images of an estimator, bump-stop", f32, beam(), 1500;
+    estimators_of_a_mass, "images of an estimator, contact-separation", f32, mass(), 1250;
+    estimators_of_a_cantilever, "images of an estimator, sliding", f64, cantilever(), 1250;
+    estimators_of_a_beam, "images of an estimator, bump-stop", f32, beam(), 750;
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn nodes_by_the_voltage() {
         now += 60;
         node.wake(&mut state, now, Some(2400 + minute));
     }
-    judge("images of a node, voltage", 8000, (&node, &state), |_, mut state| {
+    judge("images of a node, voltage", 4000, (&node, &state), |_, mut state| {
         let now = VoltageNode::<1>::second(&state);
         node.wake_after(&mut state, Outage::LockedOutUntil(now.saturating_add(7200)), Some(2000));
         for (minute, code) in [2400, 2401, 0, 4095, 1000].into_iter().enumerate() {
@@ -173,7 +173,7 @@ fn nodes_by_the_voltage() {
 
 fn nodes(name: &'static str, state: <OneNode as Configuration>::State) {
     let node = node();
-    judge(name, 2500, (&node, &state), |_, mut state| {
+    judge(name, 1250, (&node, &state), |_, mut state| {
         let before = OneNode::second(&state);
         wake_some_times(&node, &mut state, 40, 2500, 0);
         node.wake_after(&mut state, Outage::OffUntil(before.saturating_add(7200)), Some(2000));

@@ -43,7 +43,7 @@ fn judge(response: Response) {
 
 #[test]
 fn maps() {
-    fuzz("response maps", 12_000, |bytes| {
+    fuzz("response maps", 6000, |bytes| {
         let image = MAPS[below(bytes, MAPS.len())];
         let words = image.chunks_exact(2).map(|two| u16::from_le_bytes([two[0], two[1]]));
         let mut words: Vec<u16> = words.collect();
@@ -95,7 +95,7 @@ fn maps() {
 
 #[test]
 fn coordinates() {
-    fuzz("coordinates of maps", 8000, |bytes| {
+    fuzz("coordinates of maps", 4000, |bytes| {
         let spacing = Spacing { shift: any(bytes), bits: any(bytes) };
         let _ = (row(any(bytes), spacing), row_distance(any(bytes), spacing));
         let shift = any(bytes);

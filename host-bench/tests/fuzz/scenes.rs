@@ -91,7 +91,7 @@ fn run(bytes: &mut Unstructured<'_>, scene: &Scene) {
 fn scene_files() {
     let (folder, texts) = (folder("fuzz-scenes"), texts());
     let file = folder.join("scene.toml");
-    fuzz("scene files", 1000, |bytes| {
+    fuzz("scene files", 500, |bytes| {
         let text = &texts[below(bytes, texts.len())];
         let changed = change::scene(bytes, text.as_bytes());
         fs::write(&file, &changed).expect("a file");
@@ -125,7 +125,7 @@ fn overrides() {
     let (folder, texts) = (folder("fuzz-overrides"), texts());
     let file = folder.join("scene.toml");
     let all: Vec<String> = texts.iter().flat_map(|text| settings(text)).collect();
-    fuzz("overrides", 800, |bytes| {
+    fuzz("overrides", 400, |bytes| {
         let text = &texts[below(bytes, texts.len())];
         fs::write(&file, text).expect("a file");
         let own = settings(text);
