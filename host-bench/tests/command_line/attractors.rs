@@ -94,14 +94,14 @@ fn the_help_has_the_accuracy_of_the_runs_and_a_short_command_no_progress() {
     assert!(!String::from_utf8_lossy(&told).contains("elapsed"));
 }
 
-/// The lower power is that of the start, at the edge of the range that the orbit is followed to.
+/// From the start comes a motion of three periods, beside the orbit of the largest power.
 #[test]
 fn a_resonance_warns_of_another_motion_and_of_a_peak_at_an_edge() {
     let found = json(&["resonance", PASSIVE, "--from", "18", "--to", "22", "--points", "11"]);
     let warnings = found["warnings"].to_string();
     assert!(found["accuracy"]["total"].is_null() && found["peak_at_edge"] == true, "{found}");
     assert!(
-        warnings.contains("it has 8.1") && warnings.contains("the motion from the start 1.2"),
+        warnings.contains("it has 1.376e-5 W") && warnings.contains("the motion from the start 1.381e-5 W"),
         "{warnings}"
     );
     assert!(warnings.contains("range: the largest amplitude is at its edge, 22 Hz"), "{warnings}");
