@@ -40,7 +40,7 @@ use crate::method::{Failure, Options};
 use crate::name::Name;
 use crate::outcome::{Format, folded};
 pub(crate) use crate::report::file::{set_width_mm, width_mm};
-use crate::scene_file::{Override, Scene, contains, replaces};
+use crate::scene_file::{Override, Scene, contains, finite_number_of, replaces};
 use harvester_scene::progress;
 
 /// Arguments that `run`, `sweep` and `resonance` have in common.
@@ -249,7 +249,8 @@ const REPLACED: [Unused; 5] = [
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 struct StorageVoltage {
     /// Hold the voltage of the storage or bus behind the bridge at this value in V
-    #[arg(long, value_name = "V", allow_hyphen_values = true)]
+    #[arg(long, value_name = "V", allow_hyphen_values = true,
+        value_parser = |text: &str| finite_number_of("load.voltage_v", "V", text))]
     storage_voltage: Option<f64>,
 }
 

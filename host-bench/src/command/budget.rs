@@ -38,8 +38,8 @@ pub struct BudgetArguments {
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-    /// Write the picture to this file, and no page [default: report/budget.svg and budget.html]
-    #[arg(long, value_name = "FILE.svg")]
+    /// Write the picture to this file (.svg), or a page with zoom (.html) [default: report/budget.svg and budget.html]
+    #[arg(long, value_name = "FILE.svg|.html", visible_alias = "picture")]
     svg: Option<PathBuf>,
 }
 
@@ -51,10 +51,9 @@ pub(super) fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
     let options = income::options(&scene, arguments.precision, arguments.tolerance);
     options.check()?;
     let outputs = Outputs::of(&arguments.scene.scene, &arguments.scene.overrides)?;
-    match &arguments.svg {
-        Some(file) => outputs.check("--svg", file)?,
-        None if is_called() => {}
-        None => outputs.check_in("", &report_folder(), &REPORT)?,
+    outputs.check_picture("--svg", &arguments.svg)?;
+    if arguments.svg.is_none() && !is_called() {
+        outputs.check_in("", &report_folder(), &REPORT)?;
     }
     let bridged = matches!(scene.load, Load::RectifiedStore(_));
     if arguments.exact && !bridged {
@@ -93,7 +92,7 @@ pub(super) fn run(arguments: &BudgetArguments) -> Result<(), Failure> {
 
 fn keep(arguments: &BudgetArguments, picture: &Picture, outputs: &Outputs) -> Result<(), Failure> {
     match &arguments.svg {
-        Some(file) => outputs.keep(file, picture.svg()?),
+        Some(file) => outputs.keep(file, picture.of_file(file)?),
         None if is_called() => {}
         None => {
             let folder = report_folder();
