@@ -132,12 +132,10 @@ async fn sample<N: Tier, SPI: SpiDevice>(
         // In the time of so many samples the FIFO has about as many.
         let time = 1_000_000 * u64::from(missing.min(BURST as u32)) / u64::from(sensor.rate().hertz());
         Timer::after_micros(time).await;
-        let count = sensor.read_async(&mut samples).await?;
-        let mut left = samples.get(..count).unwrap_or(&[]);
-        while !left.is_empty() {
-            let Progress::More(samples) = node.samples(state, left) else { return Ok(()) };
-            left = left.get(missing.saturating_sub(samples) as usize..).unwrap_or(&[]);
-            missing = samples;
+        let (count, mut from) = (sensor.read_async(&mut samples).await?, 0);
+        while let Some(left @ [_, ..]) = samples.get(from..count) {
+            let Progress::More(more) = node.samples(state, left) else { return Ok(()) };
+            (from, missing) = (from + missing.saturating_sub(more) as usize, more);
         }
     }
 }

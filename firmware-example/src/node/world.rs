@@ -86,13 +86,7 @@ impl Work {
     /// One word, for the log.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Reading => "reading",
-            Self::Wake => "wake",
-            Self::Action => "action",
-            Self::Samples => "samples",
-            Self::Burst => "burst",
-        }
+        ["reading", "wake", "action", "samples", "burst"].get(self as usize).copied().unwrap_or("")
     }
 }
 

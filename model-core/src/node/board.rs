@@ -207,18 +207,15 @@ where
             if left.is_empty() {
                 break;
             }
-            while !left.is_empty() {
-                match self.node.samples(&mut self.state, left) {
-                    Progress::More(samples) => {
-                        left = left.get(missing.saturating_sub(samples) as usize..).unwrap_or(&[]);
-                        (missing, self.wake.task) = (samples, Task::Burst { samples });
-                    }
-                    Progress::Done(finding) => {
-                        self.board.stop_sensor();
-                        (self.is_sampling, found, left) = (false, finding, &[]);
-                    }
-                    Progress::Idle => left = &[],
-                }
+            while !left.is_empty()
+                && let Progress::More(samples) = self.node.samples(&mut self.state, left)
+            {
+                left = left.get(missing.saturating_sub(samples) as usize..).unwrap_or(&[]);
+                (missing, self.wake.task) = (samples, Task::Burst { samples });
+            }
+            if !left.is_empty() {
+                self.board.stop_sensor();
+                self.is_sampling = false;
             }
         }
         while !self.is_sampling

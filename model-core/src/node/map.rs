@@ -281,10 +281,6 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         (state.latest.is_known && !by_reading).then_some([state.gain * value, bound])
     }
 
-    fn largest(&self) -> f32 {
-        self.parameters.voltage.largest_power
-    }
-
     /// A time passes.
     fn pass(&self, state: &mut MapState<P, ACTIONS>, seconds: u32) {
         state.latest.pass(seconds, [&mut state.interval, &mut state.hour]);
@@ -353,7 +349,7 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         if E::IS_FLAT {
             // Where the map says nothing the power of before goes on, or any other one up to the largest.
             let unknown = real(state.hour.unknown);
-            let most = self.largest() * unknown;
+            let most = self.parameters.voltage.largest_power * unknown;
             energy += Scalar::min(state.gain * state.latest.output.value * unknown, most);
             bound += most;
         }
@@ -415,22 +411,6 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
         state.bursts = state.bursts.saturating_add(1);
         self.voltage.spend(&mut state.voltage, self.parameters.bursts.energy);
         self.go_on(state, self.longest)
-    }
-
-    /// What a burst under way asks for: its samples, or a wake for the next part of its evaluation. `None` without a burst, or at its end.
-    fn within_burst(&self, state: &mut MapState<P, ACTIONS>, now: u32, read: bool) -> Option<Wake> {
-        if state.burst.blocks.is_whole && self.evaluate(state).is_none() {
-            return Some(Wake { task: Task::Sleep, again_in: 0, read });
-        }
-        if state.burst.missing > 0 {
-            let since = now.checked_sub(Self::second(state));
-            let left = since.map_or(0, |since| self.longest.saturating_sub(since));
-            if left > 0 {
-                return Some(self.go_on(state, left));
-            }
-            self.give_up(state);
-        }
-        None
     }
 
     /// Asks for the samples that are missing, for `left` s.
@@ -563,12 +543,18 @@ impl<W: WordSource, const M: usize, const P: usize, const ACTIONS: usize, E: Ele
     #[inline(never)]
     fn wake(&self, state: &mut MapState<P, ACTIONS>, now: u32, code: Option<u32>) -> Wake {
         let seconds = now.saturating_sub(Self::second(state));
-        if let Some(wake) = self.within_burst(state, now, code.is_some()) {
+        let is_late = now < Self::second(state) || seconds >= self.longest;
+        if state.burst.missing > 0 && is_late {
+            self.give_up(state);
+        }
+        let is_evaluated = state.burst.blocks.is_whole && self.evaluate(state).is_none();
+        if is_evaluated || state.burst.missing > 0 {
             if code.is_some() {
-                // It has no use for it before the end of the burst, and it has cost a conversion.
+                // It has no use before the end of the burst, and has cost a conversion.
                 self.voltage.book_reading(&mut state.voltage);
             }
-            return wake;
+            let next = Wake { task: Task::Sleep, again_in: 0, read: code.is_some() };
+            return if is_evaluated { next } else { self.go_on(state, self.longest.saturating_sub(seconds)) };
         }
         self.pass(state, seconds);
         let mut of_gain = None;

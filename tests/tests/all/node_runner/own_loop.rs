@@ -44,19 +44,17 @@ impl Firmware {
                 let mut buffer = [0; 100];
                 let count = board.read_samples(&mut buffer).expect("it works");
                 let (mut missing, mut left) = (samples, &buffer[..count]);
-                while !left.is_empty() {
-                    match node.samples(state, left) {
-                        Progress::More(samples) => {
-                            left = &left[(missing - samples) as usize..];
-                            (missing, wake.task) = (samples, Task::Burst { samples });
-                        }
-                        Progress::Done(_) => {
-                            board.stop_sensor();
-                            (*is_sampling, left) = (false, &[]);
-                            *wake = node.wake(state, now, None);
-                        }
-                        Progress::Idle => panic!("a burst is under way"),
-                    }
+                while !left.is_empty()
+                    && let Progress::More(samples) = node.samples(state, left)
+                {
+                    left = &left[(missing - samples) as usize..];
+                    (missing, wake.task) = (samples, Task::Burst { samples });
+                }
+                if !left.is_empty() {
+                    // It has enough.
+                    board.stop_sensor();
+                    *is_sampling = false;
+                    *wake = node.wake(state, now, None);
                 }
             }
         }
