@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use firmware_example::node::parts::{BURST, RATE};
 use firmware_example::node::{Entry, IMAGE_BYTES, State, Work};
-use harvester_scene::market::{self, Accelerometer, Code, CostModel, Evidence, Processor};
+use harvester_scene::market::{self, Accelerometer, Code, CostModel, Evidence, Instructions, Processor};
 use model_core::node::IncomeOfTime;
 use serde_json::{Value, json};
 
@@ -18,14 +18,42 @@ pub(super) fn report(cores: &[Core], limit: Duration, output: &mut Output) -> Re
         announce(core);
         Ok((core, node::follow(core, limit)?, node::bare(core, true, limit)?))
     })?;
-    for (core, found, bare) in measured {
-        hours(core, &found, output);
-        let shares = estimation(core, &found, output);
-        tier(core, "map", &found.bare, &shares, output);
-        tier(core, "voltage", &bare, &of_voltage(core, &bare), output);
+    for (core, found, bare) in &measured {
+        hours(*core, found, output);
+        let shares = estimation(*core, found, output);
+        tier(*core, "map", &found.bare, &shares, output);
+        tier(*core, "voltage", bare, &of_voltage(*core, bare), output);
+    }
+    measured.iter().try_for_each(|(core, found, bare)| stated(*core, &found.bare, bare))
+}
+
+/// Fails where [`market::node_instructions`] does not state what was measured.
+fn stated(core: Core, map: &Bare, voltage: &Bare) -> Result<(), Error> {
+    let of_core = match core {
+        Core::M0 => market::Core::M0Plus,
+        Core::M4f => market::Core::M4f,
+        Core::M3 | Core::M7 | Core::M33 => return Ok(()),
+    };
+    let of = |bare: &Bare, name| call(bare, name).map_or(f64::NAN, |call| call.counts[1]);
+    let block = PARTS * of(map, "block") + of(map, "wake");
+    let Instructions { reading, sample, block: of_block } = market::node_instructions(of_core);
+    for (name, stated, measured) in [
+        ("reading", reading, of(voltage, "reading")),
+        ("sample", sample, of(map, "samples") / SAMPLES),
+        ("block", of_block, block),
+    ] {
+        if !((stated / measured - 1.0).abs() <= MOST_OFF) {
+            let what = format!("node_instructions.{name} is {stated}, at most 5 % from {measured:.1}");
+            return Err(Error::Core { core, what });
+        }
     }
     Ok(())
 }
+
+/// Samples in a call, calls that evaluate a block, and how far the stated instructions may be off.
+const SAMPLES: f64 = 128.0;
+const PARTS: f64 = 3.0;
+const MOST_OFF: f64 = 0.05;
 
 /// The estimate of the node, and the truth.
 struct EstimatedIncome {
@@ -187,9 +215,14 @@ fn of_voltage(core: Core, bare: &Bare) -> Vec<(&'static str, f64)> {
     parts(core).into_iter().filter_map(share).collect()
 }
 
+/// The calls of a kind.
+fn call<'a>(bare: &'a Bare, name: &str) -> Option<&'a Call> {
+    bare.calls.iter().find(|call| call.name == name)
+}
+
 /// Instructions of a boot, of a reading in the mean, and of the largest call.
 fn instructions(bare: &Bare) -> [f64; 3] {
-    let of = |name: &str| bare.calls.iter().find(|call| call.name == name).map_or(0.0, |call| call.counts[1]);
+    let of = |name| call(bare, name).map_or(0.0, |call| call.counts[1]);
     [of("boot"), of("reading"), bare.calls.iter().fold(0.0, |largest, call| call.counts[2].max(largest))]
 }
 
@@ -247,16 +280,12 @@ fn tier(core: Core, tier: &str, bare: &Bare, shares: &[(&'static str, f64)], out
 
 /// Prints the energy of estimating the income on the parts that have the core, by the counted instructions.
 fn estimation(core: Core, found: &Followed, output: &mut Output) -> Vec<(&'static str, f64)> {
-    let instructions = |works: &[Work]| -> f64 {
-        let of = |name: &str| found.counted.iter().find(|counted| counted.work == name);
-        works.iter().filter_map(|work| of(work.name())).map(|counted| counted.instructions).sum()
+    let of = |work: Work| {
+        let counted = found.counted.iter().find(|counted| counted.work == work.name());
+        counted.map_or([f64::NAN; 2], |counted| [counted.instructions, counted.calls])
     };
-    let number = |work: Work| {
-        let name = work.name();
-        found.counted.iter().find(|counted| counted.work == name).map_or(f64::NAN, |counted| counted.calls)
-    };
-    let reading = instructions(&[Work::Reading]) / number(Work::Reading);
-    let burst = instructions(&[Work::Samples, Work::Burst]) / number(Work::Burst);
+    let ([of_readings, number], [of_bursts, number_of_bursts]) = (of(Work::Reading), of(Work::Burst));
+    let (reading, burst) = (of_readings / number, (of(Work::Samples)[0] + of_bursts) / number_of_bursts);
     let readings = f64::from(calls(&found.whole, Work::Reading).calls);
     let bursts = f64::from(calls(&found.whole, Work::Burst).calls);
     let income = joules(found.whole.world.plant().income);
