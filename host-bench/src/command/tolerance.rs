@@ -290,7 +290,7 @@ fn remarks(
     let unsteady = points.iter().filter(|point| point.is_of_a_run()).count();
     let unsteady = (unsteady > 0).then(|| {
         format!(
-            "steady state: {unsteady} of {} runs have no stable orbit, their numbers are of the run",
+            "steady state: {unsteady} of {} runs come to no stable orbit, their numbers are of the run",
             all + 1
         )
     });

@@ -66,21 +66,23 @@ impl<T> Orbit<T> {
         self.largest_multiplier() < 1.0
     }
 
-    /// Magnitude and angle of the multipliers that turn a distance from the orbit.
-    fn pairs(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.multipliers.iter().filter(|value| value.im != 0.0).map(|value| value.to_polar())
+    /// Magnitude and angle of the multipliers that turn a distance from the orbit, which are those of the motion; a circuit has the
+    /// others. Of all if there is none that turns.
+    fn of_motion(&self) -> impl Iterator<Item = (f64, f64)> {
+        let turns = self.multipliers.iter().any(|value| value.im != 0.0);
+        self.multipliers.iter().filter(move |value| !turns || value.im != 0.0).map(|value| value.to_polar())
     }
 
-    /// Magnitude of the pair that decays most slowly; 0 if there is none.
-    fn slowest_pair(&self) -> f64 {
-        self.pairs().map(|(size, _)| size).fold(0.0, f64::max)
+    /// Magnitude of the one that decays most slowly; 0 if there is none.
+    fn slowest(&self) -> f64 {
+        self.of_motion().map(|(size, _)| size).fold(0.0, f64::max)
     }
 
-    /// Periods for which a motion at a distance must follow the linearisation: until each pair of multipliers has turned it round
+    /// Periods for which a motion at a distance must follow the linearisation: until each of these multipliers has turned it round
     /// once, so that its whole beat is seen, or has made it small.
     fn periods_to_follow(&self, distance: f64) -> u32 {
         let decay = (distance / CLOSE).ln();
-        let periods = self.pairs().map(|(size, angle)| (TAU / angle.abs()).min(decay / -size.ln()));
+        let periods = self.of_motion().map(|(size, angle)| (TAU / angle.abs()).min(decay / -size.ln()));
         periods.fold(WATCHED, f64::max).ceil() as u32
     }
 
@@ -93,7 +95,7 @@ impl<T> Orbit<T> {
     /// Whether a motion goes from one distance to another in a period as the linearisation predicts.
     fn predicts(&self, from: &[f64], to: &[f64]) -> bool {
         let predicted = self.linearisation.image(from);
-        let approach = (1.0 - self.slowest_pair()) * apart(from, None);
+        let approach = (1.0 - self.slowest()) * apart(from, None);
         apart(to, Some(&predicted)) < MISPREDICTED * approach.min(apart(from, Some(&predicted)))
     }
 }
@@ -279,7 +281,7 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
     ) -> Result<bool, Failure> {
         let section = self.harvester.clock(state).ticks();
         let mut distances = orbit.distances(&self.harvester.coordinates(state));
-        let decay = (apart(&distances, None) / CLOSE).ln() / -orbit.slowest_pair().ln();
+        let decay = (apart(&distances, None) / CLOSE).ln() / -orbit.slowest().ln();
         let most = (2.0 * decay) as u32 + PATIENCE;
         let mut followed = 0;
         for period in 1..=most {
