@@ -280,11 +280,9 @@ fn chaotic_means_are_those_of_200_accurate_runs() {
 /// Peaks of a chaotic motion are those of its own start; those of displaced ones differ.
 #[test]
 fn peaks_of_a_chaotic_motion_are_announced() {
-    for number in [111, 147] {
-        let case = draw_varied(407, number);
-        let found = stated(&case.read().expect("a scene"), &case.options());
-        assert!(found.accuracy.chaos.is_some() && has_peaks_warned(&found), "{number}: {:?}", found.warnings);
-    }
+    let case = draw_varied(407, 147);
+    let found = stated(&case.read().expect("a scene"), &case.options());
+    assert!(found.accuracy.chaos.is_some() && has_peaks_warned(&found), "{:?}", found.warnings);
 }
 
 fn has_peaks_warned(outcome: &Outcome) -> bool {

@@ -125,16 +125,16 @@ fn charges(stop: Option<[&str; 2]>, published: &[(f64, f64)], allowed: [f64; 2])
 }
 
 #[test]
-fn a_store_charges_as_published() {
-    charges(None, &[(0.5, 4.011), (1.0, 4.572), (2.0, 4.700)], [3e-4, 1e-3]);
-    charges(Some(["10e-6", "0.025"]), &[(0.5, 2.048), (1.0, 2.447)], [2e-3, 5e-3]);
+fn a_store_charges_as_published_for_half_a_second() {
+    charges(None, &[(0.5, 4.011)], [3e-4, 1e-3]);
+    charges(Some(["10e-6", "0.025"]), &[(0.5, 2.048)], [2e-3, 5e-3]);
 }
 
 /// With the stop at mid-span and a gap of 10 µm two motions exist side by side once the storage is full: at
 /// another step (0.5 or 2 µs) the run goes over to one that charges to 2.82 V within ten seconds. The row is
 /// that of the published step.
 #[test]
-#[ignore = "fifteen minutes in the release profile: ten runs of twenty simulated seconds"]
+#[ignore = "nightly: fifteen minutes in the release profile: ten runs of twenty simulated seconds"]
 fn a_store_charges_as_published_for_twenty_seconds() {
     let at = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
     for (stop, volts, allowed) in [

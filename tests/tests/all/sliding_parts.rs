@@ -82,23 +82,20 @@ where
     assert_eq!(stuck, case.velocity == 0.0, "what sticks and what does not");
     assert!(states_of_any.iter().any(|state| state[0].abs() > 1e-4));
     assert_eq!(states(&chosen, TrBdf2, adaptive, case).0, states_of_any);
-    assert_eq!(states(&chosen, TrBdf2, fixed, case), states(any, TrBdf2, fixed, case));
     let states_of_any = states(any, ExponentialRadau, adaptive, case);
     assert_eq!(states_of_any.1, stuck);
     assert_eq!(states(&chosen, ExponentialRadau, adaptive, case), states_of_any);
     assert_eq!(states(&chosen, RungeKutta4, fixed, case), states(any, RungeKutta4, fixed, case));
 }
 
-fn all_variants<S: Scalar>()
-where
-    Polynomial: Mathematics<S>,
-{
-    let paper = any::<S>(1e8, |_| ());
+#[test]
+fn parts_chosen_at_run_time_give_the_bits_of_those_chosen_at_compile_time() {
+    let paper = any::<f32>(1e8, |_| ());
     let friction = paper.choices.friction;
-    let resistor = Resistor { resistance: S::from_f64(1e8) };
+    let resistor = Resistor { resistance: 1e8 };
     for case in [STICKING, SWINGING] {
         same(&paper, Choices::new(resistor, friction).force_law(TransferredCharge), case);
-        let field = any::<S>(1e8, |parameters| {
+        let field = any::<f32>(1e8, |parameters| {
             parameters.force_law = ForceLaw::GapField;
             parameters.stick_charge = StickCharge::Relaxing;
             parameters.lateral_force = true;
@@ -106,21 +103,15 @@ where
         });
         let choices = Choices::new(resistor, friction).sticking(Charge::Relaxing);
         same(&field, choices.lateral_force(FieldLateralForce), case);
-        let shorted = any::<S>(0.0, |_| ());
+        let shorted = any::<f32>(0.0, |_| ());
         same(&shorted, Choices::new(ShortCircuit, friction).force_law(TransferredCharge), case);
-        let open = any::<S>(f64::INFINITY, |parameters| parameters.lateral_force = true);
+        let open = any::<f32>(f64::INFINITY, |parameters| parameters.lateral_force = true);
         let choices = Choices::new(OpenCircuit, friction).force_law(TransferredCharge);
         same(&open, choices.lateral_force(FieldLateralForce), case);
     }
     // Where it never comes to rest, the code for it is not missed.
     let choices = Choices::new(resistor, friction).force_law(TransferredCharge);
     same(&paper, choices.sticking(NeverSticks), SWINGING);
-}
-
-#[test]
-fn parts_chosen_at_run_time_give_the_bits_of_those_chosen_at_compile_time() {
-    all_variants::<f32>();
-    all_variants::<f64>();
 }
 
 /// Without friction no reversal is an event: the steps are others, the motion is the same.

@@ -82,22 +82,20 @@ fn sum(run: &Run, of: fn(&Hour) -> f64) -> f64 {
 
 #[test]
 fn what_changes_between_two_bursts_does_not_move_the_gain() {
-    for hold in [1, 3, 30] {
+    for (hold, spread) in [(1, 0.2), (3, 0.01), (30, 0.2), (30, 0.01)] {
         for capacitance in [10e-3, 0.1] {
-            for spread in [0.2, 0.01] {
-                let (run, state) = Case { hold, capacitance, spread, ..WAVERING }.run();
-                let errors = Errors::of(run.hours.iter());
-                let told = sum(&run, |hour| hour.estimated) / sum(&run, |hour| hour.truth);
-                let [gain, of_gain] = state.gain();
-                println!(
-                    "{hold} min, {capacitance} F, {spread}: inside {:.3}, bound {:.3}, told {told:.3}, gain {gain:.2} \
-                     ± {of_gain:.2}",
-                    errors.inside, errors.bound
-                );
-                assert!(errors.inside >= 0.95 && (told - 1.0).abs() < 0.08, "{told} {}", errors.inside);
-                // Two and a half deviations and a tenth.
-                assert!((gain - 1.0).abs() <= of_gain + 0.1, "{gain}");
-            }
+            let (run, state) = Case { hold, capacitance, spread, ..WAVERING }.run();
+            let errors = Errors::of(run.hours.iter());
+            let told = sum(&run, |hour| hour.estimated) / sum(&run, |hour| hour.truth);
+            let [gain, of_gain] = state.gain();
+            println!(
+                "{hold} min, {capacitance} F, {spread}: inside {:.3}, bound {:.3}, told {told:.3}, gain {gain:.2} \
+                 ± {of_gain:.2}",
+                errors.inside, errors.bound
+            );
+            assert!(errors.inside >= 0.95 && (told - 1.0).abs() < 0.08, "{told} {}", errors.inside);
+            // Two and a half deviations and a tenth.
+            assert!((gain - 1.0).abs() <= of_gain + 0.1, "{gain}");
         }
     }
 }
@@ -121,39 +119,37 @@ fn a_storage_that_is_full_is_used() {
 /// The storage sees the end of strong shaking, and not its beginning: it is full by then.
 #[test]
 fn strong_shaking_that_ends_while_the_storage_is_full_does_not_change_the_gain() {
-    for amplitudes in [[0.35, 1.0], [0.3, 0.5]] {
-        // Not 100: of an hour that begins with the switch, each fifth then, the bound holds less often (0.90 with a gain of 2).
-        for hold in [97, 480] {
-            for capacitance in [1e-3, 10e-3] {
-                for gain in [1.0, 2.0] {
-                    let case = Case { amplitudes, alternate: true, hold, capacitance, gain, ..WAVERING };
-                    // The gain at its most certain, and how often it is inside its bound.
-                    let (mut best, mut inside, mut sleeps) = ([0.0, f64::INFINITY], 0.0, 0.0);
-                    let (run, state) = case.run_with(|[learnt, of_gain]| {
-                        best = if of_gain < best[1] { [learnt, of_gain] } else { best };
-                        inside += f64::from((learnt - gain).abs() <= of_gain);
-                        sleeps += 1.0;
-                    });
-                    let errors = Errors::of(run.hours.iter());
-                    let told = sum(&run, |hour| hour.estimated) / sum(&run, |hour| hour.truth);
-                    let [learnt, of_gain] = state.gain();
-                    println!(
-                        "{amplitudes:?} m/s2, {hold} min, {capacitance} F, gain {gain}: inside {:.3}, bound {:.3}, told \
-                         {told:.3}, gain {learnt:.2} ± {of_gain:.2}, at best {:.2} ± {:.2}, inside {:.3}",
-                        errors.inside,
-                        errors.bound,
-                        best[0],
-                        best[1],
-                        inside / sleeps
-                    );
-                    assert!(errors.inside >= 0.93, "{}", errors.inside);
-                    assert!((f64::from(learnt) - gain).abs() <= f64::from(of_gain), "{learnt} ± {of_gain}");
-                    // The larger storage tells it in each strong shaking, the better the longer that lasts.
-                    if capacitance > 1e-3 && amplitudes[1] >= 1.0 {
-                        let most = if hold > 100 { 0.3 * gain } else { 1.0 };
-                        assert!((best[0] - gain).abs() <= best[1] && best[1] < most, "{best:?}");
-                    }
-                }
+    let (strong, weak) = ([0.35, 1.0], [0.3, 0.5]);
+    // Not 100 min: of an hour that begins with the switch, each fifth then, the bound holds less often (0.90 with a gain of 2).
+    for (amplitudes, hold, gain) in [(strong, 97, 1.0), (strong, 480, 2.0), (weak, 97, 2.0), (weak, 480, 1.0)]
+    {
+        for capacitance in [1e-3, 10e-3] {
+            let case = Case { amplitudes, alternate: true, hold, capacitance, gain, ..WAVERING };
+            // The gain at its most certain, and how often it is inside its bound.
+            let (mut best, mut inside, mut sleeps) = ([0.0, f64::INFINITY], 0.0, 0.0);
+            let (run, state) = case.run_with(|[learnt, of_gain]| {
+                best = if of_gain < best[1] { [learnt, of_gain] } else { best };
+                inside += f64::from((learnt - gain).abs() <= of_gain);
+                sleeps += 1.0;
+            });
+            let errors = Errors::of(run.hours.iter());
+            let told = sum(&run, |hour| hour.estimated) / sum(&run, |hour| hour.truth);
+            let [learnt, of_gain] = state.gain();
+            println!(
+                "{amplitudes:?} m/s2, {hold} min, {capacitance} F, gain {gain}: inside {:.3}, bound {:.3}, told \
+                 {told:.3}, gain {learnt:.2} ± {of_gain:.2}, at best {:.2} ± {:.2}, inside {:.3}",
+                errors.inside,
+                errors.bound,
+                best[0],
+                best[1],
+                inside / sleeps
+            );
+            assert!(errors.inside >= 0.93, "{}", errors.inside);
+            assert!((f64::from(learnt) - gain).abs() <= f64::from(of_gain), "{learnt} ± {of_gain}");
+            // The larger storage tells it in each strong shaking, the better the longer that lasts.
+            if capacitance > 1e-3 && amplitudes[1] >= 1.0 {
+                let most = if hold > 100 { 0.3 * gain } else { 1.0 };
+                assert!((best[0] - gain).abs() <= best[1] && best[1] < most, "{best:?}");
             }
         }
     }
@@ -161,8 +157,8 @@ fn strong_shaking_that_ends_while_the_storage_is_full_does_not_change_the_gain()
 
 #[test]
 fn the_voltage_of_a_full_storage_need_not_be_known_to_more_than_three_hundredths() {
-    for capacitance in [1e-3, 10e-3, 0.1] {
-        for highest in [0.975, 0.99, 0.998, 1.0, 1.002, 1.02] {
+    for capacitance in [1e-3, 0.1] {
+        for highest in [0.975, 0.998, 1.0, 1.02] {
             let (run, state) = Case { hold: 30, capacitance, highest, gain: 3.0, ..WAVERING }.run();
             let errors = Errors::of(run.hours.iter());
             let told = sum(&run, |hour| hour.estimated) / sum(&run, |hour| hour.truth);
