@@ -129,6 +129,14 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
         None
     }
 
+    /// Whether a nearly harmonic motion drives a circuit that is about as slow, and whose coefficients hardly change within a step.
+    ///
+    /// [`ExponentialRadau`] then corrects the energies of [`System::quadratic_energies`] to sixth order.
+    #[inline]
+    fn is_harmonic(&self) -> bool {
+        false
+    }
+
     /// Whether no state and no power changes: a step is then exact at any length.
     #[inline]
     fn is_constant(&self) -> bool {

@@ -101,6 +101,15 @@ impl<S: Scalar> Prediction<S> {
         ]
     }
 
+    /// The acceleration in m/s² at the end of the predicted motion.
+    #[inline]
+    fn predicted_acceleration<const N: usize, const P: usize>(&self, start: &Point<S, N, P>) -> S {
+        let mut end = *start;
+        end.state[POSITION] += self.change.displacement;
+        end.state[VELOCITY] += self.change.velocity;
+        self.end_acceleration(&end, self.force + self.rise)
+    }
+
     /// The acceleration in m/s² at the end of the step under a force per mass.
     ///
     /// With the remainder of the position: a small motion is a small difference of positions.
@@ -210,7 +219,7 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         let (mut change, mut force, mut error) = (Change::NONE, S::ZERO, S::ZERO);
         let mut doubt = [S::ZERO; N];
         let path = match prediction {
-            Some(prediction) => Path::new(start, prediction.change, step),
+            Some(prediction) => Path::new(start, prediction, system.is_harmonic()),
             None => Path::fixed(),
         };
         let mut stages = Stages::along(system, start, &path, step);

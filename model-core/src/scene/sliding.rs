@@ -107,6 +107,8 @@ pub struct Sliding<S: Scalar, P: Parts<S>> {
     per_tribo_charge: S,
     /// `d / (ε0 ε_r S R)` in 1/s; 0 for an open or short-circuited load.
     circuit_rate: S,
+    /// [`crate::integrate::System::is_harmonic`].
+    harmonic: bool,
     /// Voltage in V per charge unit at full overlap.
     field: S,
     /// Speed in m/s below which a velocity counts as zero.

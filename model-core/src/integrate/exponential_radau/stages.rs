@@ -1,7 +1,7 @@
 //! The stages of Radau IIA along a motion, and their tableau (Hairer and Wanner, Solving Ordinary Differential Equations
 //! II, section IV.5).
 
-use super::{Change, POSITION, VELOCITY};
+use super::{Change, POSITION, Prediction, VELOCITY};
 use crate::clock::seconds_of_ticks;
 use crate::integrate::{Attempt, BoundaryLayer, CircuitEquation, Input, Point, System};
 use crate::scalar::{Mathematics, Scalar};
@@ -24,18 +24,20 @@ const fn lagrange(i: usize) -> [f64; 3] {
 }
 const LAGRANGE: [[f64; 3]; 3] = [lagrange(0), lagrange(1), lagrange(2)];
 
-/// Weights of the stages in the coefficients of θ, θ² and θ³ of the cubic that vanishes at the start.
-pub(super) const CUBIC: [[f64; 3]; 3] = {
+/// Weights of the stages in the coefficients, by rising powers of θ, of the parabola through them or the cubic that is 0 at the start.
+const fn coefficients(is_cubic: bool) -> [[f64; 3]; 3] {
     let mut weights = [[0.0; 3]; 3];
     let mut i = 0;
     while i < 9 {
-        weights[i / 3][i % 3] = LAGRANGE[i % 3][i / 3] / NODES[i % 3];
+        weights[i / 3][i % 3] = LAGRANGE[i % 3][i / 3] / if is_cubic { NODES[i % 3] } else { 1.0 };
         i += 1;
     }
     weights
-};
-/// Weights of the stages in the parabola through them, at the start.
-const AT_START: [f64; 3] = [LAGRANGE[0][0], LAGRANGE[1][0], LAGRANGE[2][0]];
+}
+/// Of 1, θ and θ² of the parabola.
+const PARABOLA: [[f64; 3]; 3] = coefficients(false);
+/// Of θ, θ² and θ³ of the cubic.
+pub(super) const CUBIC: [[f64; 3]; 3] = coefficients(true);
 
 /// Part of the difference between the power at the start and its extrapolation from the stages that estimates the error
 /// of the energy of a step.
@@ -44,13 +46,17 @@ const ENERGY_ERROR_PART: f64 = 0.05;
 const MOTION_ERROR_PART: f64 = 1.0 / 16.0;
 /// Weights of a change of the force at the end, times `h²` and `h`, in the displacement and the velocity that a further pass would add.
 const NEXT_PASS: [f64; 2] = [1.0 / 12.0, 1.0 / 4.0];
+/// Part of the estimated error of the energy that is left where the energy is corrected.
+const CORRECTED_PART: f64 = 0.5;
 
 /// The displacement over a step: the polynomial of fourth degree in the fraction θ of the step through position,
-/// velocity and acceleration at the start, and position and velocity at the end.
+/// velocity and acceleration at the start, and position and velocity at the end; with the acceleration there, of fifth.
 pub(super) struct Path<S> {
     change: Change<S>,
     /// Coefficients of θ to θ⁴.
     coefficients: [S; 4],
+    /// Coefficient of θ⁵.
+    fifth: Option<S>,
     per_step: S,
 }
 
@@ -58,21 +64,30 @@ impl<S: Scalar> Path<S> {
     #[inline]
     pub(super) fn new<const N: usize, const P: usize>(
         start: &Point<S, N, P>,
-        change: Change<S>,
-        step: S,
+        prediction: &Prediction<S>,
+        is_harmonic: bool,
     ) -> Self {
+        let Prediction { change, step, .. } = *prediction;
         let linear = step * start.state[VELOCITY];
-        let bend = step * step * start.derivative[VELOCITY];
+        let square = step * step;
+        let bend = square * start.derivative[VELOCITY];
         let quadratic = S::from_f64(0.5) * bend;
         let rest = change.displacement - linear - quadratic;
-        let fourth = step * change.velocity - bend - S::from_f64(3.0) * rest;
-        Self { change, coefficients: [linear, quadratic, rest - fourth, fourth], per_step: S::ONE / step }
+        let mut fourth = step * change.velocity - bend - S::from_f64(3.0) * rest;
+        let mut third = rest - fourth;
+        let mut fifth = None;
+        if is_harmonic {
+            let turn = square * prediction.predicted_acceleration(start) - bend;
+            let last = S::from_f64(0.5) * turn - S::from_f64(3.0) * (third + fourth + fourth);
+            (third, fourth, fifth) = (third + last, fourth - (last + last), Some(last));
+        }
+        Self { change, coefficients: [linear, quadratic, third, fourth], fifth, per_step: S::ONE / step }
     }
 
     /// Of a fixed position.
     #[inline]
     pub(super) fn fixed() -> Self {
-        Self { change: Change::NONE, coefficients: [S::ZERO; 4], per_step: S::ZERO }
+        Self { change: Change::NONE, coefficients: [S::ZERO; 4], fifth: None, per_step: S::ZERO }
     }
 
     /// Displacement from the start in m, and velocity in m/s.
@@ -81,11 +96,15 @@ impl<S: Scalar> Path<S> {
         let [linear, quadratic, third, fourth] = self.coefficients;
         let number = S::from_f64;
         let node = number(theta);
-        let displacement = node * (linear + node * (quadratic + node * (third + node * fourth)));
-        let slope = linear
+        let last = self.fifth.map_or(fourth, |fifth| fourth + node * fifth);
+        let displacement = node * (linear + node * (quadratic + node * (third + node * last)));
+        let mut slope = linear
             + number(2.0 * theta) * quadratic
             + number(3.0 * theta * theta) * third
             + number(4.0 * theta * theta * theta) * fourth;
+        if let Some(fifth) = self.fifth {
+            slope += number(5.0 * theta * theta * theta * theta) * fifth;
+        }
         [displacement, slope * self.per_step]
     }
 }
@@ -104,6 +123,8 @@ pub(super) struct Stages<S> {
     pub(super) changes: [S; 3],
     /// What the drive of a nonlinear circuit lacks at the last stage.
     defect: S,
+    /// Relaxation of a harmonic circuit in the step, at the second stage.
+    turns: S,
     /// Estimated error of the last change due to a nonlinear circuit.
     pub(super) circuit_error: S,
     /// Force per mass in m/s².
@@ -133,11 +154,15 @@ impl<S: Scalar> Stages<S> {
             increments: [S::ZERO; 3],
             changes: [S::ZERO; 3],
             defect: S::ZERO,
+            turns: S::ZERO,
             circuit_error: S::ZERO,
             forces: [S::ZERO; 3],
         };
         if let [Some(one), Some(two), Some(three)] = stages.map(|stage| stage.circuit) {
             found.active = true;
+            if system.is_harmonic() {
+                found.turns = step * two.stiffness / two.inertia;
+            }
             found.solve(&[one, two, three], step);
             if !Y::LINEAR {
                 found.complete(system, start, [one, two, three], path.change.displacement, step);
@@ -249,6 +274,15 @@ impl<S: Scalar> Stages<S> {
             *energy = step * weighted(&STAGES[2], &[*energy, *second, *third]);
         }
         system.correct_energies(&start.state, &end.state, &mut energies);
+        if system.is_harmonic() {
+            let stiffness = system.oscillator().map_or(S::ZERO, |oscillator| oscillator.stiffness);
+            let square = self.missing_square(rate, stiffness * step * step, step);
+            let error = S::from_f64(CORRECTED_PART) * step * energy_error_rate(&start.powers, &powers);
+            for (energy, more) in energies.iter_mut().zip(system.quadratic_energies(square)) {
+                *energy += more;
+            }
+            return (energies, error);
+        }
         if let Some(layer) = &layer
             && self.active
         {
@@ -263,6 +297,29 @@ impl<S: Scalar> Stages<S> {
             start.powers
         };
         (energies, step * energy_error_rate(&at_start, &powers))
+    }
+
+    /// What the quadrature of the stages misses of the integral of the squared rate in a [harmonic](System::is_harmonic) system. `rate` is
+    /// that at the start, `swing` the square of the step in radians of the oscillator.
+    ///
+    /// The rate is the parabola `a + b θ + c θ²` of the stages and its error `i`, with `i + z ∫i dθ = r`, where `z` is the
+    /// relaxation in a step. The residual `r` is 0 at the nodes: a multiple of their polynomial `π`, known at the start, and of
+    /// `θ π` and `θ² π` by the fourth and fifth derivative of the drive. A harmonic drive has them as `−swing` times the
+    /// second and third. The integral of `2 (a + b θ + c θ²) i` follows from the moments `∫ θ² π = −1/600` and
+    /// `∫ θ³ π = −3/1400`; its decay with `z` is a fit.
+    #[inline]
+    fn missing_square(&self, rate: S, swing: S, step: S) -> S {
+        let (number, z) = (S::from_f64, self.turns);
+        let [a, b, c] = PARABOLA.map(|weights| weighted(&weights, &self.increments));
+        let gap = step * rate - a;
+        let turn = b + c;
+        let second = z * turn + c + c;
+        let by_gap = c + c + z * (turn + c + z * (a + turn));
+        let own = gap * (number(1.0 / 60.0) * by_gap + number(3.0 / 35.0) * gap);
+        let fourth = number(1.0 / 7200.0) * second * (z * a + b + number(9.0 / 7.0) * c);
+        let fifth = number(1.0 / 18000.0) * a * (z * c - number(30.0) * gap);
+        let decay = S::ONE + z * (number(0.571) + z * (number(0.148) + z * number(0.04)));
+        (own + swing * (fourth + fifth)) / (step * decay)
     }
 
     /// Sets the error of the corrected motion, as a change of the state.
@@ -315,7 +372,7 @@ fn add_layer<S: Scalar, const N: usize, const P: usize, Y: System<S, N, P>>(
 #[inline(always)]
 fn energy_error_rate<S: Scalar, const P: usize>(start: &[S; P], stages: &[[S; P]; 3]) -> S {
     let [first, second, third] = stages.map(|powers| powers.first().copied().unwrap_or(S::ZERO));
-    let extrapolated = weighted(&AT_START, &[first, second, third]);
+    let extrapolated = weighted(&PARABOLA[0], &[first, second, third]);
     S::from_f64(ENERGY_ERROR_PART) * (start.first().copied().unwrap_or(S::ZERO) - extrapolated)
 }
 

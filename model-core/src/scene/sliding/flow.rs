@@ -176,6 +176,11 @@ impl<'a, S: Scalar, P: Parts<S>> Flow<'a, S, P> {
 impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for Flow<'_, S, P> {
     coupled::flow_items!();
 
+    #[inline]
+    fn is_harmonic(&self) -> bool {
+        self.scene.harmonic
+    }
+
     #[inline(always)]
     fn flow(&self, state: &[S; STATES], acceleration: S) -> [S; STATES] {
         let scene = self.scene;
@@ -261,7 +266,7 @@ impl<S: Scalar, P: Parts<S>, const POWERS: usize> System<S, STATES, POWERS> for 
 
     #[inline]
     fn boundary_layer(&self, state: &[S; STATES]) -> Option<BoundaryLayer<S>> {
-        self.scene.boundary_layer(self.mode, state)
+        if self.scene.harmonic { None } else { self.scene.boundary_layer(self.mode, state) }
     }
 
     /// Mechanical changes are relative to the present amplitude of the motion (at least 10⁻⁶ of the patch's
