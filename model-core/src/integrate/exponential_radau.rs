@@ -219,7 +219,10 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         let (mut change, mut force, mut error) = (Change::NONE, S::ZERO, S::ZERO);
         let mut doubt = [S::ZERO; N];
         let path = match prediction {
-            Some(prediction) => Path::new(start, prediction, system.is_harmonic()),
+            Some(prediction) => {
+                let end = system.is_harmonic().then(|| prediction.predicted_acceleration(start));
+                Path::new(start, prediction.change, step, end)
+            }
             None => Path::fixed(),
         };
         let mut stages = Stages::along(system, start, &path, step);

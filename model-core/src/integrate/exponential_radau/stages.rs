@@ -1,7 +1,7 @@
 //! The stages of Radau IIA along a motion, and their tableau (Hairer and Wanner, Solving Ordinary Differential Equations
 //! II, section IV.5).
 
-use super::{Change, POSITION, Prediction, VELOCITY};
+use super::{Change, POSITION, VELOCITY};
 use crate::clock::seconds_of_ticks;
 use crate::integrate::{Attempt, BoundaryLayer, CircuitEquation, Input, Point, System};
 use crate::scalar::{Mathematics, Scalar};
@@ -55,8 +55,8 @@ pub(super) struct Path<S> {
     change: Change<S>,
     /// Coefficients of θ to θ⁴.
     coefficients: [S; 4],
-    /// Coefficient of θ⁵.
-    fifth: Option<S>,
+    /// Coefficient of θ⁵, 0 without the acceleration at the end. Double precision only.
+    fifth: S,
     per_step: S,
 }
 
@@ -64,10 +64,10 @@ impl<S: Scalar> Path<S> {
     #[inline]
     pub(super) fn new<const N: usize, const P: usize>(
         start: &Point<S, N, P>,
-        prediction: &Prediction<S>,
-        is_harmonic: bool,
+        change: Change<S>,
+        step: S,
+        end_acceleration: Option<S>,
     ) -> Self {
-        let Prediction { change, step, .. } = *prediction;
         let linear = step * start.state[VELOCITY];
         let square = step * step;
         let bend = square * start.derivative[VELOCITY];
@@ -75,11 +75,10 @@ impl<S: Scalar> Path<S> {
         let rest = change.displacement - linear - quadratic;
         let mut fourth = step * change.velocity - bend - S::from_f64(3.0) * rest;
         let mut third = rest - fourth;
-        let mut fifth = None;
-        if is_harmonic {
-            let turn = square * prediction.predicted_acceleration(start) - bend;
-            let last = S::from_f64(0.5) * turn - S::from_f64(3.0) * (third + fourth + fourth);
-            (third, fourth, fifth) = (third + last, fourth - (last + last), Some(last));
+        let mut fifth = S::ZERO;
+        if let Some(end) = end_acceleration {
+            fifth = S::from_f64(0.5) * (square * end - bend) - S::from_f64(3.0) * (third + fourth + fourth);
+            (third, fourth) = (third + fifth, fourth - (fifth + fifth));
         }
         Self { change, coefficients: [linear, quadratic, third, fourth], fifth, per_step: S::ONE / step }
     }
@@ -87,7 +86,7 @@ impl<S: Scalar> Path<S> {
     /// Of a fixed position.
     #[inline]
     pub(super) fn fixed() -> Self {
-        Self { change: Change::NONE, coefficients: [S::ZERO; 4], fifth: None, per_step: S::ZERO }
+        Self { change: Change::NONE, coefficients: [S::ZERO; 4], fifth: S::ZERO, per_step: S::ZERO }
     }
 
     /// Displacement from the start in m, and velocity in m/s.
@@ -96,14 +95,14 @@ impl<S: Scalar> Path<S> {
         let [linear, quadratic, third, fourth] = self.coefficients;
         let number = S::from_f64;
         let node = number(theta);
-        let last = self.fifth.map_or(fourth, |fifth| fourth + node * fifth);
+        let last = if S::IS_DOUBLE { fourth + node * self.fifth } else { fourth };
         let displacement = node * (linear + node * (quadratic + node * (third + node * last)));
         let mut slope = linear
             + number(2.0 * theta) * quadratic
             + number(3.0 * theta * theta) * third
             + number(4.0 * theta * theta * theta) * fourth;
-        if let Some(fifth) = self.fifth {
-            slope += number(5.0 * theta * theta * theta * theta) * fifth;
+        if S::IS_DOUBLE {
+            slope += number(5.0 * theta * theta * theta * theta) * self.fifth;
         }
         [displacement, slope * self.per_step]
     }
