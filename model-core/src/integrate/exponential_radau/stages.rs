@@ -300,7 +300,6 @@ impl<S: Scalar> Stages<S> {
 
     /// What the quadrature of the stages misses of the integral of the squared rate in a [harmonic](System::is_harmonic) system. `rate` is
     /// that at the start, `swing` the square of the step in radians of the oscillator.
-    ///
     /// The rate is the parabola `a + b θ + c θ²` of the stages and its error `i`, with `i + z ∫i dθ = r`, where `z` is the
     /// relaxation in a step. The residual `r` is 0 at the nodes: a multiple of their polynomial `π`, known at the start, and of
     /// `θ π` and `θ² π` by the fourth and fifth derivative of the drive. A harmonic drive has them as `−swing` times the

@@ -140,11 +140,13 @@ fn with_impacts_into_a_stiff_load_the_order_is_low() {
 }
 
 #[test]
-fn sliding_is_of_order_four() {
+fn sliding_is_of_order_four_and_near_the_load_of_the_most_power_its_error_is_smaller() {
     for lateral in [false, true] {
-        let found = orders(3.2e-3, |step| slide(lateral, 0.3, 1e8, AnyForceLaw::TransferredCharge, step));
-        println!("lateral {lateral}: {found:?}");
-        assert!(found.power > 3.8 && found.errors[1] < 5e-8, "{found:?}");
+        let at = |load| orders(3.2e-3, |h| slide(lateral, 0.3, load, AnyForceLaw::TransferredCharge, h));
+        let [fast, slow] = [at(3e7), at(1e8)];
+        assert!(fast.power > 3.8 && fast.errors[1] < 5e-8, "{fast:?}");
+        // Without the correction of the energy 4e-6.
+        assert!(slow.errors[0] < 1e-6 && slow.errors[1] < 5e-9, "{slow:?}");
     }
 }
 
