@@ -22,6 +22,8 @@ const ARRIVED: f64 = 1e-3;
 const CLOSE: f64 = 0.02;
 /// Fewest periods for which the transient must follow the linearisation of an orbit.
 const WATCHED: f64 = 3.0;
+/// Most periods, beside [`PATIENCE`], for which it is watched: a circuit may be slower by far.
+const LONGEST: f64 = 1e4;
 /// Largest difference of the transient from the linearisation, as a part of the change and of the approach that this predicts over a
 /// period: a motion of three periods beside an orbit changes as predicted, but comes no nearer.
 const MISPREDICTED: f64 = 0.5;
@@ -282,7 +284,7 @@ impl<H: Coordinates, E: Excitation<f64>> ForcedSystem<'_, H, E> {
         let section = self.harvester.clock(state).ticks();
         let mut distances = orbit.distances(&self.harvester.coordinates(state));
         let decay = (apart(&distances, None) / CLOSE).ln() / -orbit.slowest().ln();
-        let most = (2.0 * decay) as u32 + PATIENCE;
+        let most = (2.0 * decay).min(LONGEST) as u32 + PATIENCE;
         let mut followed = 0;
         for period in 1..=most {
             let until = section.saturating_add(self.instant(f64::from(period)).ticks());
