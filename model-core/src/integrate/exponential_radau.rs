@@ -101,13 +101,16 @@ impl<S: Scalar> Prediction<S> {
         ]
     }
 
-    /// The acceleration in m/s² at the end of the predicted motion.
+    /// The predicted motion, in a [harmonic](System::is_harmonic) system with the acceleration at its end.
     #[inline]
-    fn predicted_acceleration<const N: usize, const P: usize>(&self, start: &Point<S, N, P>) -> S {
-        let mut end = *start;
-        end.state[POSITION] += self.change.displacement;
-        end.state[VELOCITY] += self.change.velocity;
-        self.end_acceleration(&end, self.force + self.rise)
+    fn path<const N: usize, const P: usize>(&self, start: &Point<S, N, P>, is_harmonic: bool) -> Path<S> {
+        let end_acceleration = is_harmonic.then(|| {
+            let mut end = *start;
+            end.state[POSITION] += self.change.displacement;
+            end.state[VELOCITY] += self.change.velocity;
+            self.end_acceleration(&end, self.force + self.rise)
+        });
+        Path::new(start, self.change, self.step, end_acceleration)
     }
 
     /// The acceleration in m/s² at the end of the step under a force per mass.
@@ -219,10 +222,7 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         let (mut change, mut force, mut error) = (Change::NONE, S::ZERO, S::ZERO);
         let mut doubt = [S::ZERO; N];
         let path = match prediction {
-            Some(prediction) => {
-                let end = system.is_harmonic().then(|| prediction.predicted_acceleration(start));
-                Path::new(start, prediction.change, step, end)
-            }
+            Some(prediction) => prediction.path(start, system.is_harmonic()),
             None => Path::fixed(),
         };
         let mut stages = Stages::along(system, start, &path, step);
