@@ -130,7 +130,7 @@ pub trait System<S: Scalar, const N: usize, const P: usize> {
     }
 
     /// Whether a nearly harmonic motion drives a circuit that is about as slow, and whose coefficients hardly change within a step.
-    /// [`ExponentialRadau`] then corrects the energies of [`System::quadratic_energies`] to sixth order.
+    /// [`ExponentialRadau`] then corrects the energies of [`System::quadratic_energies`] to sixth order, in double precision.
     #[inline]
     fn is_harmonic(&self) -> bool {
         false

@@ -127,7 +127,7 @@ const fn by_voltage(reading: f32, standing_power: f32) -> VoltageParameters<ACTI
 }
 
 /// By part: [`Part::figures`].
-const FIGURES: [[f32; 3]; 2] = [[5.7e-6, 0.293e-6, 43.6e-6], [2.4e-6, 2.02e-6, 59.3e-6]];
+const FIGURES: [[f32; 3]; 2] = [[5.7e-6, 0.293e-6, 44.2e-6], [2.4e-6, 2.02e-6, 60.9e-6]];
 /// Samples of the accelerometer's start-up.
 const START_UP: u32 = 4;
 

@@ -86,7 +86,13 @@ impl Work {
     /// One word, for the log.
     #[must_use]
     pub fn name(self) -> &'static str {
-        ["reading", "wake", "action", "samples", "burst"].get(self as usize).copied().unwrap_or("")
+        match self {
+            Self::Reading => "reading",
+            Self::Wake => "wake",
+            Self::Action => "action",
+            Self::Samples => "samples",
+            Self::Burst => "burst",
+        }
     }
 }
 

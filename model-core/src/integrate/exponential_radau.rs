@@ -21,7 +21,7 @@
 
 mod stages;
 
-use self::stages::{CUBIC, NODES, Path, Stages, weighted};
+use self::stages::{CUBIC, NODES, Path, Stages, corrects_energy, weighted};
 use super::{Attempt, BoundaryLayer, Input, Method, NotConverged, Point, System, Trial};
 use crate::clock::seconds_of_ticks;
 use crate::oscillator::{Kernel, Oscillator, Response};
@@ -101,10 +101,10 @@ impl<S: Scalar> Prediction<S> {
         ]
     }
 
-    /// The predicted motion, in a [harmonic](System::is_harmonic) system with the acceleration at its end.
+    /// The predicted motion, for a corrected energy with the acceleration at its end.
     #[inline]
-    fn path<const N: usize, const P: usize>(&self, start: &Point<S, N, P>, is_harmonic: bool) -> Path<S> {
-        let end_acceleration = is_harmonic.then(|| {
+    fn path<const N: usize, const P: usize>(&self, start: &Point<S, N, P>, is_corrected: bool) -> Path<S> {
+        let end_acceleration = is_corrected.then(|| {
             let mut end = *start;
             end.state[POSITION] += self.change.displacement;
             end.state[VELOCITY] += self.change.velocity;
@@ -222,7 +222,7 @@ impl<S: Scalar> Method<S> for ExponentialRadau {
         let (mut change, mut force, mut error) = (Change::NONE, S::ZERO, S::ZERO);
         let mut doubt = [S::ZERO; N];
         let path = match prediction {
-            Some(prediction) => prediction.path(start, system.is_harmonic()),
+            Some(prediction) => prediction.path(start, corrects_energy(system)),
             None => Path::fixed(),
         };
         let mut stages = Stages::along(system, start, &path, step);

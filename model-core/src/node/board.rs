@@ -207,15 +207,18 @@ where
             if left.is_empty() {
                 break;
             }
-            while !left.is_empty()
-                && let Progress::More(samples) = self.node.samples(&mut self.state, left)
-            {
-                left = left.get(missing.saturating_sub(samples) as usize..).unwrap_or(&[]);
-                (missing, self.wake.task) = (samples, Task::Burst { samples });
-            }
-            if !left.is_empty() {
-                self.board.stop_sensor();
-                self.is_sampling = false;
+            while !left.is_empty() && self.is_sampling {
+                match self.node.samples(&mut self.state, left) {
+                    Progress::More(samples) => {
+                        left = left.get(missing.saturating_sub(samples) as usize..).unwrap_or(&[]);
+                        (missing, self.wake.task) = (samples, Task::Burst { samples });
+                    }
+                    Progress::Done(finding) => {
+                        self.board.stop_sensor();
+                        (self.is_sampling, found) = (false, finding);
+                    }
+                    Progress::Idle => left = &[],
+                }
             }
         }
         while !self.is_sampling

@@ -18,7 +18,7 @@ const ACCURACY: f64 = 1e-7;
 /// Distance, in the same units, at which the transient has arrived at an orbit.
 const ARRIVED: f64 = 1e-3;
 /// Distance below which three periods show that the transient arrives. Farther off it may leave again: without contact it follows the
-/// linearisation exactly, until the beat of a light damping brings it to the contact. A tenth is too far in one of 4000 scenes.
+/// linearisation exactly, until the beat of a light damping brings it to the contact.
 const CLOSE: f64 = 0.02;
 /// Fewest periods for which the transient must follow the linearisation of an orbit.
 const WATCHED: f64 = 3.0;

@@ -51,8 +51,8 @@ pub struct Instructions {
 /// 5 %. Those of the M0 are with the arithmetic of `firmware-example`.
 pub const fn node_instructions(core: Core) -> Instructions {
     match core {
-        Core::M0Plus => Instructions { reading: 4_610.0, sample: 32.0, block: 31_400.0 },
-        Core::M4f | Core::M33 => Instructions { reading: 419.0, sample: 18.0, block: 7_500.0 },
+        Core::M0Plus => Instructions { reading: 4_610.0, sample: 38.3, block: 31_400.0 },
+        Core::M4f | Core::M33 => Instructions { reading: 419.0, sample: 21.3, block: 7_500.0 },
     }
 }
 

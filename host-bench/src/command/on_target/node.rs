@@ -35,11 +35,13 @@ fn stated(core: Core, map: &Bare, voltage: &Bare) -> Result<(), Error> {
         Core::M3 | Core::M7 | Core::M33 => return Ok(()),
     };
     let of = |bare: &Bare, name| call(bare, name).map_or(f64::NAN, |call| call.counts[1]);
+    let calls = |name| call(map, name).map_or(f64::NAN, |call| call.counts[0]);
+    let samples = calls("block") / PARTS * SAMPLES;
     let block = PARTS * of(map, "block") + of(map, "wake");
     let Instructions { reading, sample, block: of_block } = market::node_instructions(of_core);
     for (name, stated, measured) in [
         ("reading", reading, of(voltage, "reading")),
-        ("sample", sample, of(map, "samples") / SAMPLES),
+        ("sample", sample, calls("samples") * of(map, "samples") / samples),
         ("block", of_block, block),
     ] {
         if !((stated / measured - 1.0).abs() <= MOST_OFF) {
@@ -50,8 +52,8 @@ fn stated(core: Core, map: &Bare, voltage: &Bare) -> Result<(), Error> {
     Ok(())
 }
 
-/// Samples in a call, calls that evaluate a block, and how far the stated instructions may be off.
-const SAMPLES: f64 = 128.0;
+/// Samples of a burst, calls that evaluate one, and how far the stated instructions may be off.
+const SAMPLES: f64 = 640.0;
 const PARTS: f64 = 3.0;
 const MOST_OFF: f64 = 0.05;
 

@@ -46,8 +46,13 @@ const ENERGY_ERROR_PART: f64 = 0.05;
 const MOTION_ERROR_PART: f64 = 1.0 / 16.0;
 /// Weights of a change of the force at the end, times `h²` and `h`, in the displacement and the velocity that a further pass would add.
 const NEXT_PASS: [f64; 2] = [1.0 / 12.0, 1.0 / 4.0];
-/// Part of the estimated error of the energy that is left where the energy is corrected.
-const CORRECTED_PART: f64 = 0.5;
+
+/// Whether the energies of a step are corrected, which takes too much flash in single precision.
+pub(super) fn corrects_energy<S: Scalar, Y: System<S, N, P>, const N: usize, const P: usize>(
+    system: &Y,
+) -> bool {
+    S::IS_DOUBLE && system.is_harmonic()
+}
 
 /// The displacement over a step: the polynomial of fourth degree in the fraction θ of the step through position,
 /// velocity and acceleration at the start, and position and velocity at the end; with the acceleration there, of fifth.
@@ -159,7 +164,7 @@ impl<S: Scalar> Stages<S> {
         };
         if let [Some(one), Some(two), Some(three)] = stages.map(|stage| stage.circuit) {
             found.active = true;
-            if system.is_harmonic() {
+            if corrects_energy(system) {
                 found.turns = step * two.stiffness / two.inertia;
             }
             found.solve(&[one, two, three], step);
@@ -273,14 +278,12 @@ impl<S: Scalar> Stages<S> {
             *energy = step * weighted(&STAGES[2], &[*energy, *second, *third]);
         }
         system.correct_energies(&start.state, &end.state, &mut energies);
-        if system.is_harmonic() {
+        if corrects_energy(system) {
             let stiffness = system.oscillator().map_or(S::ZERO, |oscillator| oscillator.stiffness);
             let square = self.missing_square(rate, stiffness * step * step, step);
-            let error = S::from_f64(CORRECTED_PART) * step * energy_error_rate(&start.powers, &powers);
             for (energy, more) in energies.iter_mut().zip(system.quadratic_energies(square)) {
                 *energy += more;
             }
-            return (energies, error);
         }
         if let Some(layer) = &layer
             && self.active

@@ -132,8 +132,9 @@ const UNITS: [(&str, f64); 11] = [
 /// Ends of what a sensor has for each g or m/s², in lower case; and what is no unit in brackets.
 const SENSITIVITIES: [&str; 9] = ["v", "lsb", "count", "counts", "pc", "digit", "digits", "raw", "adc"];
 const NO_UNITS: [&str; 4] = ["x", "y", "z", ""];
-/// Beginnings of the name of an acceleration without `acc`, behind which `G` without brackets is g.
-const ACCELERATIONS: [&str; 6] = ["a ", "a_", "ax", "ay", "az", "besch"];
+/// First words of the name of an acceleration, behind which `G` without brackets is g; and beginnings of longer ones.
+const ACCELERATIONS: [&str; 5] = ["a", "ax", "ay", "az", "acc"];
+const LONG_ACCELERATIONS: [&str; 2] = ["accel", "beschl"];
 /// Relative difference of a stated scale from the unit of the heading up to which both are the same: other values of g.
 const SAME: f64 = 1e-3;
 
@@ -164,8 +165,11 @@ fn unit(heading: &str) -> Option<f64> {
     }
     // A capital G at the end may be the name of a channel, unless it is behind that of an acceleration.
     let is_capital = heading.trim_end_matches('0').ends_with('G');
-    let is_named = lower.contains("acc") || ACCELERATIONS.iter().any(|word| lower.starts_with(word));
+    let first = lower.split([' ', '_', '/']).next().unwrap_or("");
+    let is_named =
+        ACCELERATIONS.contains(&first) || LONG_ACCELERATIONS.iter().any(|begin| first.starts_with(begin));
     UNITS.iter().find_map(|(name, size)| {
+        // `g0` alone is the name of a column, as `g1` is.
         let is_alone = lower == *name && *name != "g0";
         let before =
             lower.strip_suffix(name).filter(|before| is_alone || before.ends_with(['_', ' ', '/']))?;
