@@ -18,10 +18,10 @@ table{border-collapse:collapse;font-size:clamp(.6rem,1.25vw,.85rem);font-variant
 th{text-align:left;border-bottom:2px solid #57606a;padding:.35em .6em;vertical-align:bottom}\
 td{border-bottom:1px solid #d0d7de;padding:.25em .6em}\
 td.number,th.number{text-align:right}td.number{white-space:nowrap}tr.beyond td{color:#6e7781}\
-p.note{font-size:.85rem;color:#57606a;margin:.3rem 0}\
+pre{white-space:pre-wrap;overflow-wrap:anywhere}p.note{font-size:.85rem;color:#57606a;margin:.3rem 0}\
 @media screen and (prefers-color-scheme:dark){html{background:#fff;filter:invert(.9) hue-rotate(180deg)}}\
 .still{display:none}@media print{.still{display:block;break-inside:avoid}.screen{display:none}\
-body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}pre{white-space:pre-wrap}}";
+body{margin:0;max-width:none;font-size:11px}h2{break-after:avoid}}";
 /// Without scripts the stills stand for the charts.
 const WITHOUT_SCRIPTS: &str = ".still{display:block}.screen{display:none}";
 

@@ -28,8 +28,8 @@ window.addEventListener("load", () => setTimeout(() => {
         const found = root.querySelector(".tip");
         if (found.style.display === "block") tip = found.textContent;
       }
-    // Toggle: Enter on the last name hides its curve, a click shows it. Zoom and return by keys.
-    const names = root.querySelectorAll(".u-series");
+    // Toggle: Enter on the last name of a curve that is seen hides it, a click shows it. Zoom and return by keys.
+    const names = root.querySelectorAll(".u-series:not(.u-off)");
     const last = names[names.length - 1];
     const press = (element, key) => element.dispatchEvent(new KeyboardEvent("keydown", { key }));
     press(last.querySelector("th"), "Enter");

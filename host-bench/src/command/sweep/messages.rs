@@ -150,7 +150,7 @@ pub(super) fn costs<'a>(points: impl Iterator<Item = &'a Compared>) -> Option<St
         }
     };
     let of_all = format!("; at all points, the run included where there is none, {}", times(&points));
-    let of_all = if stable.len() < points.len() { of_all } else { String::new() };
+    let of_all = if (1..points.len()).contains(&stable.len()) { of_all } else { String::new() };
     let text = format!("steady state at {} of {} points: {each}{of_all}", stable.len(), points.len());
     let seconds = points.iter().filter_map(|point| point.seconds).reduce(|[a, b], [c, d]| [a + c, b + d]);
     let slower = seconds.map(|seconds| format!("; the runs took {:.1} times as long", ratio(seconds)));

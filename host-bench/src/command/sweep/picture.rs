@@ -124,16 +124,16 @@ fn family(rows: &Axis, axis: &Axis, (name, values): &(String, Vec<Option<f64>>))
     let (words, unit) = words_and_unit(&rows.key);
     let drawn: Vec<usize> = (0..rows.count()).step_by(every).collect();
     let labels = distinct_labels(&drawn.iter().map(|row| rows.value(*row)).collect::<Vec<_>>(), &unit);
-    let curve = |(&row, label): (&usize, &String)| {
+    let curve = |(number, (&row, label)): (usize, (&usize, &String))| {
         let value = |column: usize| values.get(row * axis.count() + column).copied().flatten();
         let point = |column| Some((factor * axis.value(column), value(column)?));
         let points = (0..axis.count()).filter_map(point);
         // The lightest yellow would not be seen on white.
         let colour = shade(row as f64, 0.0, 1.15 * (rows.count() - 1) as f64);
-        Curve::new(format!("{words} = {label}"), colour, Mark::dotted(0, [1.6, 5.0]), points)
+        Curve::new(format!("{words} = {label}"), colour, Mark::dotted(number, [1.6, 5.0]), points)
             .broken_at_jumps()
     };
-    let curves = drawn.iter().zip(&labels).map(curve).collect();
+    let curves = drawn.iter().zip(&labels).enumerate().map(curve).collect();
     let chart = Chart::new("", across, chart::Axis::linear(name.as_str(), FITTING, 7), curves);
     let note = format!("{} of the {} values of {words} are drawn.", drawn.len(), rows.count());
     let note = if every > 1 { note } else { String::new() };

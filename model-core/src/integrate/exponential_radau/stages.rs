@@ -60,8 +60,8 @@ pub(super) struct Path<S> {
     change: Change<S>,
     /// Coefficients of θ to θ⁴.
     coefficients: [S; 4],
-    /// Coefficient of θ⁵, 0 without the acceleration at the end. Double precision only.
-    fifth: S,
+    /// Coefficient of θ⁵, with the acceleration at the end. Double precision only.
+    fifth: Option<S>,
     per_step: S,
 }
 
@@ -80,10 +80,11 @@ impl<S: Scalar> Path<S> {
         let rest = change.displacement - linear - quadratic;
         let mut fourth = step * change.velocity - bend - S::from_f64(3.0) * rest;
         let mut third = rest - fourth;
-        let mut fifth = S::ZERO;
+        let mut fifth = None;
         if let Some(end) = end_acceleration {
-            fifth = S::from_f64(0.5) * (square * end - bend) - S::from_f64(3.0) * (third + fourth + fourth);
-            (third, fourth) = (third + fifth, fourth - (fifth + fifth));
+            let last =
+                S::from_f64(0.5) * (square * end - bend) - S::from_f64(3.0) * (third + fourth + fourth);
+            (third, fourth, fifth) = (third + last, fourth - (last + last), Some(last));
         }
         Self { change, coefficients: [linear, quadratic, third, fourth], fifth, per_step: S::ONE / step }
     }
@@ -91,7 +92,7 @@ impl<S: Scalar> Path<S> {
     /// Of a fixed position.
     #[inline]
     pub(super) fn fixed() -> Self {
-        Self { change: Change::NONE, coefficients: [S::ZERO; 4], fifth: S::ZERO, per_step: S::ZERO }
+        Self { change: Change::NONE, coefficients: [S::ZERO; 4], fifth: None, per_step: S::ZERO }
     }
 
     /// Displacement from the start in m, and velocity in m/s.
@@ -100,14 +101,15 @@ impl<S: Scalar> Path<S> {
         let [linear, quadratic, third, fourth] = self.coefficients;
         let number = S::from_f64;
         let node = number(theta);
-        let last = if S::IS_DOUBLE { fourth + node * self.fifth } else { fourth };
+        let fifth = self.fifth.filter(|_| S::IS_DOUBLE);
+        let last = fifth.map_or(fourth, |fifth| fourth + node * fifth);
         let displacement = node * (linear + node * (quadratic + node * (third + node * last)));
         let mut slope = linear
             + number(2.0 * theta) * quadratic
             + number(3.0 * theta * theta) * third
             + number(4.0 * theta * theta * theta) * fourth;
-        if S::IS_DOUBLE {
-            slope += number(5.0 * theta * theta * theta * theta) * self.fifth;
+        if let Some(fifth) = fifth {
+            slope += number(5.0 * theta * theta * theta * theta) * fifth;
         }
         [displacement, slope * self.per_step]
     }
