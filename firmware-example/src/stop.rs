@@ -57,8 +57,7 @@ unsafe fn DefaultHandler(_: i16) -> ! {
 // defmt frames over semihosting, byte by byte to the console of QEMU or of the debugger.
 //
 // `defmt-semihosting` does the same and panics when it is misused. The panic would stand in every
-// firmware, and the check that nothing can panic would have to look away; so this one ends the run
-// instead.
+// firmware, and the check that nothing can panic would have to look away; so this one ends the run.
 
 #[defmt::global_logger]
 struct Logger;

@@ -1,5 +1,4 @@
-//! Runs a scene by the integrator that the options name: the embedded core, a peer on the host, or the reference. Many
-//! on all cores.
+//! Runs a scene by the integrator of the options: the embedded core, a peer on the host, or the reference. Many on all cores.
 
 use std::sync::{Mutex, PoisonError};
 

@@ -3,8 +3,7 @@
 //! Time is a count of ticks of 2⁻³⁸ s (3.6 ps) in 64 bits, which wraps after two years (2²⁶ s). Rounding an event to
 //! a tick is less than the `f32` rounding of any step above 31 µs, and a step of 32 bits reaches 15.6 ms: a quarter of
 //! a period at 16 Hz. A frequency is a fixed-point number of turns per tick with 96 fractional bits. The phase at a
-//! tick is one multiplication modulo a turn; its error after 24 hours at 10 kHz is below 10⁻⁹ of a turn in either
-//! precision.
+//! tick is one multiplication modulo a turn; its error after 24 hours at 10 kHz is below 10⁻⁹ turns in either precision.
 
 use crate::scalar::{Decomposed, Scalar};
 use crate::snapshot::snapshot_fields;

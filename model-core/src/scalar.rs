@@ -277,8 +277,7 @@ pub(crate) fn add_increment<S: Scalar>(high: S, low: S, increment: S) -> (S, S) 
     (sum, moved - (sum - high))
 }
 
-/// `f` of each entry of `a` and the one of `b` at the same place. Unlike an index in a closure it links no check of bounds,
-/// in any profile.
+/// `f` of each entry of `a` and the one of `b` at the same place. Unlike an index in a closure it links no check of bounds.
 #[inline]
 pub(crate) fn zip_with<A: Copy, B, const N: usize>(
     mut a: [A; N],

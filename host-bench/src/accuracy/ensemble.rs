@@ -9,8 +9,7 @@ use crate::method::Options;
 use crate::outcome::Outcome;
 use crate::shift::SHIFT;
 
-/// Relative differences of the parts above which a motion is chaotic: from the run in half the steps, and from that of a
-/// displaced start.
+/// Relative differences of the parts above which a motion is chaotic: from the run in half the steps, and from a displaced one.
 const CHAOTIC: [f64; 2] = [1e-4, 1e-6];
 /// Relative difference of the parts of a run in single precision from one in double precision up to which a motion is not
 /// chaotic: its roundings are displacements, too.
@@ -20,8 +19,7 @@ const BY_ROUNDING: f64 = 1e-4;
 const DISPLACED: [f64; 4] = [1e-4, -1e-4, 2e-4, -2e-4];
 /// Most work of a statement of a chaotic motion, in runs, as long as each group has a displaced start.
 const MOST_WORK: u64 = 16;
-/// Standard errors that are stated: 95 % of Student's distribution with seven degrees of freedom, of nine runs in two groups, are
-/// within 2.36.
+/// Standard errors that are stated: 95 % of Student's distribution with seven degrees of freedom, of nine runs in two groups: 2.36.
 const CONFIDENCE: f64 = 2.4;
 
 /// The energies delivered in the window, over displaced starts, in J; where none is, the largest motion in m or the RMS voltage in V.

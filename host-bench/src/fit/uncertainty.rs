@@ -24,8 +24,7 @@ pub(crate) struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// Of weighted `columns`, one for each coordinate, with `variance` for each weighted value. A coordinate that is not `free`
-    /// is held.
+    /// Of weighted `columns`, one for each coordinate, with `variance` for each weighted value. Others than the `free` ones are held.
     pub(crate) fn of(columns: &[DVector<f64>], free: &[bool], variance: f64) -> Self {
         let count = columns.len();
         let mut covariance = DMatrix::zeros(count, count);

@@ -136,8 +136,7 @@ pub(super) fn column(
     Ok(column)
 }
 
-/// Follows the lower motion from rest upwards: the level at which it was seen last, and one at which it was left. `None` if
-/// it is not left.
+/// Follows the lower motion from rest upwards: the level where it was seen last, and one where it was left. `None` if it is not.
 fn rise(
     continuation: &mut dyn AmplitudeContinuation,
     [floor, cap]: [f64; 2],

@@ -132,8 +132,7 @@ impl Study {
         Ok(Self { scene: scene.clone(), accuracy, full, runs, options, is_chaotic: true, corners }.limited())
     }
 
-    /// With a limit of the attempted steps, and without the warning of an accuracy that was asked for and is tighter than
-    /// the study needs.
+    /// With a limit of attempted steps, and without the warning of an asked accuracy that is tighter than the study needs.
     fn limited(mut self) -> Self {
         if self.is_sound() {
             self.full.warnings.retain(|warning| !warning.starts_with("accuracy:"));

@@ -27,8 +27,7 @@ const LEAST: f32 = 1e-5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Battery {
-    /// State of charge and open-circuit voltage in V, both rising by 10⁻⁵ at least: 2 to 16 points, from 0 to 1 and from 0.01 V
-    /// to 1000 V.
+    /// State of charge and open-circuit voltage in V, both rising by 10⁻⁵ at least: 2 to 16 points, from 0 to 1 and 0.01 V to 1000 V.
     pub points: &'static [[f32; 2]],
     /// Charge from the first to the last point in C, 10⁻⁶ to 10⁷.
     pub charge: f32,

@@ -207,8 +207,7 @@ where
                 return;
             }
             let start = (!is_above || rises).then(|| self.start_guard(index));
-            // A guard that rises at both ends can have a minimum, but not below zero if its cubic's third Bernstein coefficient
-            // is above.
+            // A guard that rises at both ends can have a minimum, but not below zero if the third Bernstein coefficient is above.
             let least = S::from_f64(1.0 / 3.0) * step * end.rate.max(S::ZERO);
             if start.as_ref().is_some_and(|start| {
                 end.value > least && !(start.rate < S::ZERO) || certain && start.is_due()

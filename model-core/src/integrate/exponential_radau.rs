@@ -81,8 +81,7 @@ pub struct Prediction<S> {
 }
 
 impl<S: Scalar> Prediction<S> {
-    /// The change of the motion by the difference between the force at the stages and its prediction: by its linear part,
-    /// and by the rest.
+    /// The change of the motion by the difference between the force at the stages and its prediction: its linear part and the rest.
     #[inline(always)]
     fn corrections(&self, forces: &[S; 3]) -> [Change<S>; 2] {
         let Self { step, ramps: [zeroth, first, second, third], .. } = *self;

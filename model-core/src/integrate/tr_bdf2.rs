@@ -1,5 +1,4 @@
-//! TR-BDF2: a trapezoidal stage and a backward-differentiation stage with one iteration matrix (Bank and
-//! others 1985).
+//! TR-BDF2: a trapezoidal stage and a backward-differentiation stage with one iteration matrix (Bank et al. 1985).
 
 use super::boundary_layer::without_layer;
 use super::{Attempt, Base, Input, Method, NotConverged, System, Trial};

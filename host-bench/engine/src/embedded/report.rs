@@ -123,8 +123,7 @@ pub(super) struct Blocks {
     /// Ticks of a part.
     length: u64,
     pub(super) energies_j: [f64; BLOCKS],
-    /// Integrals from the start of the window: energy delivered in J, squared terminal voltage in V² s, and voltage of the
-    /// storage in V s.
+    /// Integrals from the start of the window: energy delivered in J, squared terminal voltage in V² s, and storage voltage in V s.
     integrals: [f64; 3],
     /// The time in s and the integrals at the first turn-on of the draw and at the last, and the number of turn-ons.
     turn_ons: Option<[(f64, [f64; 3]); 2]>,

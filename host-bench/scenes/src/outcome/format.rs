@@ -107,8 +107,7 @@ pub fn csv_sections(sections: impl Iterator<Item = (String, String)>) -> String 
 /// Most columns of a text for people.
 pub const WIDTH: usize = 100;
 
-/// A text in lines of at most [`WIDTH`] columns, broken at spaces, the further ones behind `indent` spaces; a longer word has a
-/// line of its own.
+/// A text in lines of at most [`WIDTH`] columns, broken at spaces, further ones behind `indent` spaces; a longer word has its own line.
 pub fn folded(text: &str, indent: usize) -> String {
     wrapped(text.split(' '), " ", indent, WIDTH)
 }
