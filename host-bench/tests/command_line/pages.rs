@@ -236,7 +236,7 @@ fn a_browser_draws_the_pages_of_hostile_names() {
     run(&[&optimise[..], &frequency, &["--picture", "best.html"]].concat(), false, "best.html", 2);
     let range = ["--amplitude", "0.5:1", "--frequency", "19:20", "--places", "30", "--picture", "map.html"];
     run(&[&["map", &scene], &range[..]].concat(), false, "map.html", 1);
-    run(&["attractors", &scene, "--starts", "16", "--picture", "starts.html"], true, "starts.html", 2);
+    run(&["attractors", &scene, "--starts", "16", "--picture", "starts.html"], true, "starts.html", 1);
     run(&["fit", &measured, "--data", &data, "--picture", "fit.html"], false, "fit.html", 4);
     run(&["budget", &node], false, "report/budget.html", 4);
 }
