@@ -67,8 +67,8 @@ pub(super) struct Attempts<'a, S: Scalar, A: Automaton<S, N, P>, E, M, C, const 
     /// The length of the first attempt.
     pub(super) planned: u32,
     pub(super) after_jump: bool,
-    /// Guards at the start, if the automaton keeps them.
-    pub(super) memo: Option<&'a Memo<S>>,
+    /// Guards at the start.
+    pub(super) memo: &'a Memo<S>,
 }
 
 impl<'a, S, A, E, M, C, const N: usize, const P: usize> Attempts<'a, S, A, E, M, C, N, P>
@@ -131,8 +131,8 @@ where
     /// Guard number `index` at the start of the step.
     #[inline]
     pub(super) fn start_guard(&self, index: usize) -> Guard<S> {
-        let known = self.memo.and_then(|memo| memo.0.get(index).copied().flatten());
-        known.unwrap_or_else(|| self.guard(index, self.start, 0))
+        let memo = if A::KEEPS_GUARDS { self.memo.0.get(index).copied().flatten() } else { None };
+        memo.unwrap_or_else(|| self.guard(index, self.start, 0))
     }
 
     /// A guard below zero at the end of a step; all of them are put into `memo`.

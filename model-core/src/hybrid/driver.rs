@@ -233,7 +233,7 @@ impl<M, C> Driver<M, C> {
             driver: self,
             scale,
             planned,
-            memo: A::KEEPS_GUARDS.then_some(memo),
+            memo,
             after_jump: M::CARRIES_DERIVATIVES
                 && state.since_event <= if M::PREDICTS { 0 } else { LAYER_TICKS },
         };
