@@ -96,13 +96,10 @@ impl Best<'_> {
             "stable-period-1-not-reached" => "the run does not come to the stable orbit of one period",
             _ => "no orbit of one period is found",
         };
-        let [low, high] = self.neighbours().map(|value| format!("{value:.4e}"));
-        if low == high {
-            return None;
-        }
+        let [low, high] = self.neighbours();
         Some(format!(
             "the best point has no steady motion of one period: {why}. Its {} is that of one run, which may be a lucky one: \
-             {low} to {high} at points that differ by a ten-thousandth of a range",
+             {low:.4e} to {high:.4e} at points that differ by a ten-thousandth of a range",
             self.quantity
         ))
     }

@@ -73,8 +73,6 @@ for (const [index, one] of charts.entries()) {
   const distribution = (axis) => (one.logarithmic[axis] ? 3 : 1);
   const { field, span } = one;
   const sameX = !span && one.curves.every((curve) => curve.x.join() === one.curves[0].x.join());
-  const places = one.curves.flatMap((curve) => curve.x);
-  const ends = [Math.min(...places), Math.max(...places)];
   const longest = Math.max(0, ...one.curves.flatMap((curve) => curve.bars ?? []));
   const peers = one.group === null ? [] : (groups[one.group] ??= []);
   function zoomed(chart, scale) {
@@ -169,7 +167,7 @@ for (const [index, one] of charts.entries()) {
         time: false,
         distr: distribution(0),
         // By itself it would go to the next power of ten.
-        ...(one.logarithmic[0] ? { range: (_, low, high) => [low <= ends[0] ? ends[0] / 1.03 : low, high >= ends[1] ? 1.03 * ends[1] : high] } : {}),
+        ...(one.logarithmic[0] ? { range: (_, low, high) => [low, high] } : {}),
       },
       y: {
         distr: distribution(1),
