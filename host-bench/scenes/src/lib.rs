@@ -11,5 +11,3 @@ pub mod progress;
 pub mod rainflow;
 pub mod root;
 pub mod scene_file;
-#[cfg(test)]
-mod test_support;

@@ -18,7 +18,6 @@ mod excitations;
 mod exponential_radau;
 mod hidden_crossings;
 mod node_example;
-mod node_image;
 mod prothero_robinson;
 mod random_sums;
 mod rectified;

@@ -6,8 +6,10 @@ use crate::common::harvesters::{
 };
 use crate::common::{Random, adaptive, finished, fixed};
 use model_core::energy::estimator::{Sample, SampleFormat, Settings};
-use model_core::energy::{Estimator, PowerMeter};
-use model_core::excitation::{Sine, Stream};
+use model_core::energy::{
+    Budget, BudgetParameters, Capacitor, Estimator, IncomeParameters, PowerMeter, StorageParameters,
+};
+use model_core::excitation::{LineBank, Sine, Stream};
 use model_core::hybrid::Driver;
 use model_core::integrate::{AnyStepControl, RungeKutta4, TrBdf2};
 use model_core::part::restitution::{AnyRestitution, ConstantRestitution};
@@ -317,6 +319,72 @@ fn states_meters_and_streams_have_images_of_their_own() {
     stream.push(-1.0).expect("finite");
     stream.restart(5, 2.0).expect("finite");
     round_trip(&stream);
+}
+
+const BUDGET: BudgetParameters<f32> = BudgetParameters {
+    storage: StorageParameters {
+        capacitor: Capacitor { capacitance: 220e-6, leakage_resistance: 10e6 },
+        charging_efficiency: 0.8,
+        discharging_efficiency: 0.9,
+        highest_voltage: 4.5,
+        lock_out_voltage: 1.8,
+        turn_on_voltage: 2.4,
+    },
+    income: IncomeParameters { time_constant: 7200.0, day_weight: 0.5 },
+    standing_power: 1e-6,
+};
+
+fn budget<const SLOTS: usize>(change: Change<BudgetParameters<f32>>) -> Budget<f32, SLOTS> {
+    let mut parameters = BUDGET;
+    change(&mut parameters);
+    parameters.build().expect("in bounds")
+}
+
+fn bank(rate: f32, unit: f32) -> LineBank<32, 8> {
+    LineBank::new(rate, 20.0, 0.5, unit).expect("in bounds")
+}
+
+#[test]
+fn an_image_of_budget_and_bank_comes_back_and_is_foreign_to_those_with_another_number() {
+    let (own, lines) = (budget::<24>(|_| ()), bank(200.0, 1e-3));
+    let mut states = (own.start(9 * 3600 + 17), lines.start());
+    own.correct_by_voltage(&mut states.0, 3.0, 2e-3);
+    own.spend(&mut states.0, 4e-5);
+    for minute in 0..90_u8 {
+        own.update(&mut states.0, 60, 1e-5 * f32::from(minute), 1e-6);
+    }
+    lines.take(&mut states.1, &[1000, -200, 30]);
+    let mut bytes = [0; 2048];
+    let size = snapshot::save_image(&(&own, &lines), &states, 7, &mut bytes).expect("room");
+    let mut awake = (own.start(0), lines.start());
+    assert_eq!(snapshot::read_image(&(&own, &lines), &bytes[..size], &mut awake), Ok(7));
+    assert_eq!(awake, states);
+    let foreign = Some(SnapshotError::ForeignModel);
+    let changes: [Change<BudgetParameters<f32>>; 10] = [
+        |p| p.storage.capacitor.capacitance = 221e-6,
+        |p| p.storage.capacitor.leakage_resistance = f32::INFINITY,
+        |p| p.storage.charging_efficiency = 0.81,
+        |p| p.storage.discharging_efficiency = 0.91,
+        |p| p.storage.highest_voltage = 4.51,
+        |p| p.storage.lock_out_voltage = 1.81,
+        |p| p.storage.turn_on_voltage = 2.41,
+        |p| p.income.time_constant = 7201.0,
+        |p| p.income.day_weight = 0.51,
+        |p| p.standing_power = 1.01e-6,
+    ];
+    for (index, change) in changes.into_iter().enumerate() {
+        let refused = snapshot::newest_image(&(&budget::<24>(change), &lines), [&bytes, &bytes]).err();
+        assert_eq!(refused, foreign, "change {index}");
+    }
+    for other in [bank(201.0, 1e-3), bank(200.0, 1.1e-3)] {
+        assert_eq!(snapshot::newest_image(&(&own, &other), [&bytes, &bytes]).err(), foreign);
+    }
+    // The number of slots of the day is a part of the fingerprint, which stands before the states.
+    let [mut hours, mut half_hours] = [[0; 2048]; 2];
+    let finer = budget::<48>(|_| ());
+    snapshot::save_image(&own, &own.start(0), 0, &mut hours).expect("room");
+    snapshot::save_image(&finer, &finer.start(0), 0, &mut half_hours).expect("room");
+    assert_ne!(hours[8..12], half_hours[8..12]);
 }
 
 #[test]

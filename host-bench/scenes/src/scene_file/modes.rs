@@ -280,6 +280,3 @@ fn means(pieces: u32, of: impl Fn(f64) -> f64) -> [f64; 2] {
     }
     means
 }
-
-#[cfg(test)]
-mod tests;

@@ -111,6 +111,3 @@ impl Shape {
         means(8, |place| self.at(eigenvalue * place))
     }
 }
-
-#[cfg(test)]
-mod tests;
