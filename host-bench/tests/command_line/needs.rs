@@ -10,7 +10,7 @@ use super::tool::{
 };
 
 /// A second of the shipped scene without impacts.
-const SHORT: [&str; 3] = ["excitation.frequency_hz=22", "run.duration_s=2", "run.settle_s=1"];
+const SHORT: [&str; 3] = ["excitation.frequency_hz=22", "run.duration_s=1", "run.settle_s=0.5"];
 
 fn needs(scene: &str, overrides: &[&str], more: &[&str]) -> Value {
     json(&[&["needs", scene], &set(overrides)[..], more].concat())
@@ -87,27 +87,28 @@ fn the_emitted_bimorph_has_its_connection() {
         ("monomorph", "Monomorph", "Monomorph"),
     ] {
         let set = format!("parameters.transducer={connection}");
-        let text = accepted(&["needs", BIMORPH, "--set", &set, "--emit", "-"]);
+        let short = "run={duration_s=0.3,settle_s=0.2}";
+        let text = accepted(&["needs", BIMORPH, "--set", &set, "--set", short, "--emit", "-"]);
         assert!(text.contains(&format!("        transducer: {value},\n")), "{text}");
         assert!(text.contains(&format!("TipMass<f32>, {of_type}>;")), "{text}");
     }
 }
 
-/// The force that is not needed at 20.5 Hz moves the power by 17.7 % at 19.8 Hz, below the impacts.
+/// The force that is not needed at 20.5 Hz moves the power by 4 % at 19.8 Hz, below the impacts.
 #[test]
 fn a_cut_holds_at_the_corners_of_a_range_too() {
-    let weak = ["excitation.amplitude_g=0.15"];
+    let weak = ["excitation.amplitude_g=0.15", "run={duration_s=3,settle_s=2}"];
     let corner = serde_json::json!([0.15 * 9.81, 19.8]);
     let found = needs(PASSIVE, &weak, &["--frequency", "19.8:20.5"]);
     let force = part(&found, "electrostatic force");
     assert_eq!((&force["verdict"], &force["at"]), (&"needed".into(), &corner), "{force}");
     let run = |force: &str| {
-        let changes = [weak[0], "excitation.frequency_hz=19.8", force];
+        let changes = [weak[0], weak[1], "excitation.frequency_hz=19.8", force];
         number(&outcome(PASSIVE, &changes), "mean_power_w")
     };
     let exact = run("parameters.force_law=none") / run("parameters.force_law=gap-field") - 1.0;
     let stated = number(force, "mean_power");
-    assert!((stated - exact).abs() < 1e-3 && (exact + 0.177).abs() < 1e-3, "{stated} {exact}");
+    assert!((stated - exact).abs() < 1e-3 && (exact + 0.04).abs() < 2e-3, "{stated} {exact}");
     refused(&["needs", TRUCK, "--amplitude", "1:2"], &["--amplitude", "one sine"]);
 }
 

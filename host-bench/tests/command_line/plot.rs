@@ -139,7 +139,8 @@ fn a_quiet_command_tells_warnings_only() {
 fn a_warning_of_several_runs_is_told_once() {
     let picture = place(&folder("plot-warnings"), "runs.svg");
     let compare = ["--compare", "excitation.frequency_hz=20,20.2,20.4", "--output", &picture];
-    let [_, told] = printed(&[&["plot", PASSIVE], &compare[..]].concat());
+    let short = ["--set", "run={duration_s=2,settle_s=1}"];
+    let [_, told] = printed(&[&["plot", PASSIVE], &compare[..], &short].concat());
     assert_eq!(told.matches("model: fringing").count(), 1, "{told}");
     assert!(told.contains("3 of 3 runs: model: fringing"), "{told}");
 }

@@ -35,9 +35,9 @@ fn a_day_a_map_and_a_fit_have_a_statement() {
     let picture = place(&folder, "day.svg");
     let day = ["budget", NODE, "--svg", &picture];
     states(&[&day[..], &["--set", "run={duration_s=3,settle_s=2}"], &law].concat());
-    let map = ["map", SHIPPED, "--amplitude", "0.2:0.5", "--frequency", "20:21", "--places", "30"];
-    states(&map);
-    let data = file(&folder, "data.csv", "frequency_hz,rms_voltage_v\n18,0.5\n19,1.2\n20,8\n21,1\n");
+    let map = ["map", SHIPPED, "--amplitude", "0.5:0.55", "--frequency", "25:25.5", "--places", "30"];
+    states(&[&map[..], &["--error", "0.5"]].concat());
+    let data = file(&folder, "data.csv", "frequency_hz,rms_voltage_v\n18,0.5\n21,1\n");
     let free = "--free=parameters.charge_density_c_per_m2";
     states(&["fit", SHIPPED, "--data", &data, free, "--starts=0"]);
 }
