@@ -99,9 +99,6 @@ pub trait Scalar:
     /// This number in double precision, exactly.
     fn to_f64(self) -> f64;
 
-    /// `value`, exactly.
-    fn from_f32(value: f32) -> Self;
-
     /// Magnitude.
     fn abs(self) -> Self;
 

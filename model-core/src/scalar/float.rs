@@ -55,11 +55,6 @@ macro_rules! impl_scalar {
             }
 
             #[inline]
-            fn from_f32(value: f32) -> Self {
-                value as $float
-            }
-
-            #[inline]
             fn abs(self) -> Self {
                 $float::from_bits(self.to_bits() & ($bits::MAX >> 1))
             }
