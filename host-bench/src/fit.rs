@@ -42,7 +42,6 @@ const FOLLOWED: usize = 4;
 /// RMS of the residual, in standard deviations or as a part of that of the data, at which no other start is tried.
 const GOOD: [f64; 2] = [2.0, 0.03];
 
-#[derive(Debug)]
 pub(crate) struct Request<'a> {
     pub(crate) file: &'a Path,
     pub(crate) overrides: &'a [Override],

@@ -46,7 +46,6 @@ pub(super) fn add(sums: &mut Integrals, weight: f64, others: &Integrals) {
     }
 }
 
-#[derive(Debug)]
 pub(super) struct Ledger {
     /// Integrals over the whole run.
     pub(super) total: Integrals,
@@ -132,7 +131,6 @@ impl Effort {
 }
 
 /// The sums at the end of a run.
-#[derive(Debug)]
 pub(super) struct Totals {
     pub(super) ledger: Ledger,
     /// Remainder in J of the mechanical and the electrical ledger.

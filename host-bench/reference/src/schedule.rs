@@ -7,7 +7,6 @@ use harvester_scene::scene_file::{RunSpan, Scene};
 /// Events in a row without progress after which a run is given up.
 const STORM: u32 = 10_000;
 
-#[derive(Debug)]
 pub(super) struct Schedule<'a> {
     base: Base<'a>,
     /// Whether the base acceleration of a stretch is a few sines and a polynomial.
@@ -24,7 +23,6 @@ pub(super) struct Schedule<'a> {
 }
 
 /// The next stretch, as long as no event ends it.
-#[derive(Debug)]
 pub(super) struct Stretch {
     /// Start in s.
     pub(super) start: f64,
@@ -86,7 +84,6 @@ impl<'a> Schedule<'a> {
 }
 
 /// Records the rows that fall due.
-#[derive(Debug)]
 pub(super) struct Recorder {
     every: f64,
     pub(super) rows: Vec<Vec<f64>>,

@@ -23,7 +23,6 @@ const MOST_TIMES: f64 = 1e3;
 /// Largest capacitance in F of a storage in a scene file.
 const LARGEST_F: f64 = 1e4;
 
-#[derive(Debug)]
 struct Due<S> {
     action: Action<S>,
     /// Wished rate in 1/s.
@@ -31,7 +30,6 @@ struct Due<S> {
     credit: f64,
 }
 
-#[derive(Debug)]
 pub(super) struct Controller<'a, S: 'static, const SLOTS: usize> {
     node: &'a Node,
     parameters: BudgetParameters<S>,

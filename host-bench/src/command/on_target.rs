@@ -158,7 +158,6 @@ enum Format {
 }
 
 /// Prints tables at once; collects JSON rows until the end.
-#[derive(Debug)]
 struct Output {
     format: Format,
     objects: Vec<Value>,

@@ -35,7 +35,6 @@ impl Sample {
 }
 
 /// Sums and peaks along a run.
-#[derive(Debug)]
 pub(super) struct Meter<'a> {
     system: &'a System,
     last: Sample,

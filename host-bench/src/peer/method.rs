@@ -7,7 +7,6 @@ pub(super) trait Stepper {
     fn step(&mut self, state: &mut State, base: &mut BaseAcceleration<'_>, time: f64, step: f64);
 }
 
-#[derive(Debug)]
 pub(super) struct RungeKutta4<'a> {
     system: &'a System,
     rate: State,
@@ -61,7 +60,6 @@ impl Stepper for RungeKutta4<'_> {
 ///
 /// Each mode, and the circuit, is a linear equation coupled to the others by force and voltage only. Elimination leaves
 /// `g = g₀ − H F` with `F = k max(0, g)`, whose only solution is `F = k max(0, g₀) / (1 + k H)`.
-#[derive(Debug)]
 struct Stage {
     /// `d`: the method's coefficient times the step, in s.
     reach: f64,
@@ -131,7 +129,6 @@ const FIRST_STAGE: f64 = 2.0 - std::f64::consts::SQRT_2;
 
 /// Newmark's method of average acceleration (`β = ¼`, `γ = ½`, the circuit by the trapezoidal rule), and
 /// TR-BDF2 of Bank and others, whose first stage is such a step of `2 − √2` of the whole.
-#[derive(Debug)]
 pub(super) struct Implicit<'a> {
     system: &'a System,
     stage: Stage,

@@ -50,7 +50,6 @@ impl State {
     }
 }
 
-#[derive(Debug)]
 pub(super) struct System {
     pub(super) modes: Vec<Mode>,
     beam_modes: usize,
@@ -187,7 +186,6 @@ impl System {
 }
 
 /// Base acceleration at any time, in order of time.
-#[derive(Debug)]
 pub(super) struct BaseAcceleration<'a> {
     base: Base<'a>,
     here: LocalBase,

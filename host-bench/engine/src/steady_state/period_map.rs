@@ -171,7 +171,6 @@ pub(crate) fn given_up(most: u64, at: Instant) -> Failure {
 pub(crate) type Watching<'a, 'b> = (&'a mut Option<&'b mut Watch>, &'a mut Option<&'b mut RunMeter<f64>>);
 
 /// The smooth stretches of a motion, and the extremes of each coordinate.
-#[derive(Debug)]
 pub(crate) struct Watch {
     stretches: Vec<Stretch>,
     event: bool,
@@ -181,7 +180,6 @@ pub(crate) struct Watch {
     highest: Vec<f64>,
 }
 
-#[derive(Debug)]
 struct Stretch {
     /// Whether the mass sticks, or beam and stop touch.
     in_contact: bool,

@@ -47,7 +47,6 @@ fn values(
 }
 
 /// Everything that is summed or compared along a run.
-#[derive(Debug)]
 pub(super) struct Meter<'a> {
     system: &'a System,
     /// Stiffness in N/m of the closed contact; 0 if it is rigid.

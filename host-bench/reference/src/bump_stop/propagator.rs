@@ -25,7 +25,6 @@ const TERMS: u32 = 8;
 const BATCH: u32 = 1 << 12;
 
 /// Propagation over `step / 2^level` for each level.
-#[derive(Debug)]
 pub(super) struct Propagator {
     size: usize,
     /// Grid step in s.
@@ -33,7 +32,6 @@ pub(super) struct Propagator {
     levels: Vec<Level>,
 }
 
-#[derive(Debug)]
 struct Level {
     /// `exp(A h) − 1`.
     increment: DMatrix<f64>,
@@ -161,7 +159,6 @@ impl Propagator {
 }
 
 /// Sums of `y yᵀ` over the steps of each level, from which the integrals of all quadratic forms follow.
-#[derive(Debug)]
 pub(super) struct Moments {
     /// For each level the number of steps, and the sums below and on the diagonal, column by column.
     levels: Vec<(u32, Vec<f64>)>,

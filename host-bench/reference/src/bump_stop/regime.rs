@@ -21,7 +21,6 @@ pub(super) enum Change {
 }
 
 /// A linear quantity that is negative while a regime lasts.
-#[derive(Debug)]
 pub(super) struct Guard {
     pub(super) change: Change,
     row: Row,
@@ -40,7 +39,6 @@ impl Guard {
 }
 
 /// A state of contact and circuit as a linear system.
-#[derive(Debug)]
 pub(super) struct Regime {
     pub(super) propagator: Propagator,
     /// Contact force in N, and its rate.
@@ -227,7 +225,6 @@ impl Circuit {
 }
 
 /// Currents in A of a regime of the circuit, as rows.
-#[derive(Debug)]
 pub(super) struct Currents {
     /// Through the diodes.
     pub(super) into_storage: Row,

@@ -104,7 +104,6 @@ pub(super) fn value(row: &[f64], vector: &[f64]) -> f64 {
 }
 
 /// The harvester, without what depends on the state of contact.
-#[derive(Debug)]
 pub(super) struct System {
     pub(super) modes: BumpStopModes,
     pub(super) layout: Layout,

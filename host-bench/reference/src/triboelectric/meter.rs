@@ -10,7 +10,6 @@ use harvester_scene::root::far_side;
 use harvester_scene::scene_file::Scene;
 
 /// Everything that is summed or compared along a run.
-#[derive(Debug)]
 pub(crate) struct Meter<'a, H> {
     harvester: &'a H,
     recorder: Option<Recorder>,

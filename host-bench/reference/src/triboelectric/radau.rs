@@ -62,7 +62,6 @@ const ERROR: [f64; 4] =
     [0.274_888_829_595_677_3, -0.428_298_294_115_368_1, 0.245_039_074_384_916_4, -0.091_629_609_865_225_8];
 
 /// Why a flow cannot go on.
-#[derive(Debug)]
 pub(crate) struct Reason(pub(crate) String);
 
 /// A step that was accepted.

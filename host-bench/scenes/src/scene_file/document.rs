@@ -169,7 +169,6 @@ fn shortened(text: &str) -> String {
     text.chars().take(SHOWN).chain("...".chars()).collect()
 }
 
-#[derive(Debug)]
 pub(super) struct Document {
     pub(super) file: PathBuf,
     /// The table at the top.

@@ -9,7 +9,6 @@ use super::rows_of;
 const MOST_PATHS: usize = 3;
 
 /// A table of the file, and the keys that it may have.
-#[derive(Debug)]
 pub(super) struct Section<'a> {
     document: &'a Document,
     /// Keys that lead here, each with its dot.

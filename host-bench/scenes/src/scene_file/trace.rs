@@ -59,7 +59,6 @@ enum Column {
 }
 
 /// What the scene file says about the columns of a table and the rate of its rows.
-#[derive(Debug)]
 struct Asked {
     column: Option<Column>,
     clock: AskedClock,
@@ -71,7 +70,6 @@ struct Asked {
 }
 
 /// Which column of a table has the times of the samples.
-#[derive(Debug)]
 enum AskedClock {
     /// As the file states.
     Unset,

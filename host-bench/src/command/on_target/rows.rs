@@ -78,7 +78,6 @@ impl Case {
     }
 }
 
-#[derive(Debug)]
 pub(super) struct Row {
     pub(super) case: Case,
     pub(super) core: Core,
