@@ -14,7 +14,7 @@ use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use crate::method::{Failure, Math, Method, Options, Precision};
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, name};
 use crate::rows::Column;
 use crate::run::{run_scene, try_run_scene};
 use crate::scene_file::Scene;
@@ -184,10 +184,23 @@ impl Comparison {
     }
 
     /// The fastest row that reaches the target, of those of some variants.
-    pub(crate) fn fastest(&self, of: impl Fn(&Variant) -> bool) -> Option<(&Row, &Measured)> {
+    fn fastest(&self, of: impl Fn(&Variant) -> bool) -> Option<(&Row, &Measured)> {
         let rows = self.rows.iter().filter(|row| of(&row.variant) && self.reaches_target(row));
         let found = rows.filter_map(|row| Some((row, row.found.as_ref()?)));
         found.min_by(|(_, one), (_, other)| one.ns_per_s.total_cmp(&other.ns_per_s))
+    }
+
+    /// The fastest row of each of some methods that reaches the target, with its setting.
+    pub(crate) fn fastest_note(&self, methods: [Method; 4], setting: impl Fn(&Row) -> String) -> String {
+        let parts = methods.map(|method| match self.fastest(|variant| variant.method == method) {
+            Some((row, found)) => {
+                let (precision, time_us) = (row.variant.precision.name(), found.ns_per_s / 1e3);
+                format!("{} {time_us:.0} µs ({precision}, {})", name(&method), setting(row))
+            }
+            None => format!("{} none", name(&method)),
+        });
+        let (error, parts) = (self.target_error(), parts.join("; "));
+        format!("Host time per simulated second of the fastest rows within an error of {error:.0e}: {parts}.")
     }
 }
 

@@ -5,14 +5,12 @@ use plotters::style::RGBColor;
 use super::outcome::{NodeDay, Sample, Source};
 use crate::outcome::Format;
 use crate::report::Picture;
-use crate::report::chart::{Axis, Chart, Curve, FROM_ZERO, Mark};
-use crate::report::svg::{BLACK, BLUE, GREEN, ORANGE, VERMILION};
+use crate::report::chart::{Axis, Chart, Curve, FITTING, FROM_ZERO, Mark};
+use crate::report::svg::{BLACK, BLUE, COLOURS, VERMILION};
 use crate::scene_file::HOURS;
 
 /// The part of the income that estimating it is to cost at most.
 const SHARE: f64 = 0.01;
-/// Colours of the actions; more actions take them again from the first.
-const COLOURS: [RGBColor; 4] = [GREEN, VERMILION, ORANGE, BLACK];
 
 /// The charts with the numbers of the day.
 pub(crate) fn picture(day: &NodeDay, source: &Source) -> Picture {
@@ -26,10 +24,10 @@ pub(crate) fn picture(day: &NodeDay, source: &Source) -> Picture {
     }
 }
 
-/// Curves over the hours of the day, with an ordinate from 0.
-fn chart(title: &str, up: &str, curves: Vec<Curve>) -> Chart {
+/// Curves over the hours of the day.
+fn chart(title: &str, up: (&str, [f64; 2]), curves: Vec<Curve>) -> Chart {
     let across = Axis::linear("hour of the day", [0.0, HOURS as f64], 13);
-    Chart::new(title, across, Axis::linear(up, FROM_ZERO, 6), curves).grouped("hours", 320)
+    Chart::new(title, across, Axis::linear(up.0, up.1, 6), curves).grouped("hours", 320)
 }
 
 /// A dashed line over the day.
@@ -55,7 +53,7 @@ fn stored(day: &NodeDay) -> Chart {
         level("full", BLACK, 1e3 * day.capacity_j),
         Curve { mark: Mark::line(0, 1.0), ..level("lock-out", VERMILION, 1e3 * day.turn_off_j) },
     ];
-    chart("Storage", "stored energy [mJ]", curves)
+    chart("Storage", ("stored energy [mJ]", FITTING), curves)
 }
 
 fn income(day: &NodeDay) -> Chart {
@@ -65,7 +63,7 @@ fn income(day: &NodeDay) -> Chart {
         _ => Vec::new(),
     });
     let curves = vec![Curve::new("", BLUE, Mark::line(0, 2.0), intervals)];
-    chart("Harvester", "harvested power [µW]", curves)
+    chart("Harvester", ("harvested power [µW]", FROM_ZERO), curves)
 }
 
 /// What estimating the income takes at the node, hour by hour; `None` for a node that spends nothing on it.
@@ -75,14 +73,15 @@ fn estimation(day: &NodeDay) -> Option<Chart> {
         steps(&estimation.outcome.name.line(), index, powers)
     });
     let limit = 1e9 * SHARE * day.account.income / f64::from(super::DAY_S);
-    let limit = level("1 % of the day's mean income", BLUE, limit);
+    let limit = level("1 % of the day's mean income", BLACK, limit);
     let curves = powers.chain([limit]).collect();
-    (!day.estimation.is_empty()).then(|| chart("Estimating the income", "mean power [nW]", curves))
+    (!day.estimation.is_empty())
+        .then(|| chart("Estimating the income", ("mean power [nW]", FROM_ZERO), curves))
 }
 
 fn actions(day: &NodeDay) -> Chart {
     let curves = day.actions.iter().enumerate().map(|(index, action)| {
         steps(&action.name.line(), index, action.by_hour.iter().map(|runs| f64::from(*runs)))
     });
-    chart("Actions", "runs per hour", curves.collect())
+    chart("Actions", ("runs per hour", FROM_ZERO), curves.collect())
 }

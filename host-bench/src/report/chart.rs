@@ -96,31 +96,33 @@ impl Axis {
 pub(crate) struct Mark {
     /// The width of the line; 0 of an unbroken one, or one more than the index of its dashes.
     pub(super) line: Option<(f64, usize)>,
-    /// The size of the signs; 0 of a dot, 1 of a ring, or two more than the index of a polygon.
-    pub(super) point: Option<(f64, usize)>,
+    /// The size of the signs; 0 of a circle, or one more than the index of a polygon; whether they are filled.
+    pub(super) point: Option<(f64, usize, bool)>,
 }
 
 /// Lengths in pixels of dashes and of the gaps behind them.
 pub(super) const DASHES: [&str; 5] = ["7 5", "2 4", "14 4 2 4", "16 6", "9 3 2 3 2 3"];
-/// The corners of a square, a cross, a triangle and a lozenge, to the right and down, in half of their size.
-pub(super) const SIGNS: [&[[f64; 2]]; 4] = [
+/// The corners of a square, a cross, a triangle, a lozenge and a triangle on its head, to the right and down, in half of their size.
+pub(super) const SIGNS: [&[[f64; 2]]; 5] = [
     &[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9], [-0.9, -0.9]],
-    &[[-1.0, -1.0], [1.0, 1.0], [0.0, 0.0], [1.0, -1.0], [-1.0, 1.0]],
+    &[[-1.0, -1.0], [1.0, 1.0], [0.0, 0.0], [1.0, -1.0], [-1.0, 1.0], [0.0, 0.0], [-1.0, -1.0]],
     &[[0.0, -1.2], [1.1, 0.8], [-1.1, 0.8], [0.0, -1.2]],
     &[[-1.2, 0.0], [0.0, -1.2], [1.2, 0.0], [0.0, 1.2], [-1.2, 0.0]],
+    &[[0.0, 1.2], [1.1, -0.8], [-1.1, -0.8], [0.0, 1.2]],
 ];
-/// Curves or points of one chart whose marks differ.
+/// Kinds of points of one chart whose signs differ.
 pub(crate) const MARKS: usize = 2 + SIGNS.len();
 
 impl Mark {
     /// The line of a curve among others, by its number: its dashes tell it to those who do not see its colour.
     pub(crate) const fn line(number: usize, width: f64) -> Self {
-        Self { line: Some((width, number % MARKS)), point: None }
+        Self { line: Some((width, number % (1 + DASHES.len()))), point: None }
     }
 
     /// The signs of the points of one kind among others, by its number.
     pub(crate) const fn point(number: usize, size: f64) -> Self {
-        Self { line: None, point: Some((size, number % MARKS)) }
+        let number = number % MARKS;
+        Self { line: None, point: Some((size, number.saturating_sub(1), number == 0)) }
     }
 
     /// Both: a line of this width with a dot of this diameter at each point; a dashed one with rings by the number 1.
@@ -128,15 +130,20 @@ impl Mark {
         Self { point: Self::point(number, dot).point, ..Self::line(number, line) }
     }
 
+    /// Both, with signs of this shape: a line with filled ones, or dashes with hollow ones.
+    pub(crate) const fn of_shape(shape: usize, is_hollow: bool, [line, size]: [f64; 2]) -> Self {
+        Self { point: Some((size, shape, !is_hollow)), ..Self::line(is_hollow as usize, line) }
+    }
+
     /// The line alone, and the signs alone, as far as there are any.
     pub(super) fn parts(self) -> impl Iterator<Item = Self> {
         let parts = [Self { point: None, ..self }, Self { line: None, ..self }];
-        parts.into_iter().filter(|part| part.line.or(part.point).is_some())
+        parts.into_iter().filter(|part| part.line.is_some() || part.point.is_some())
     }
 
     /// The width of the line, or the size of signs alone.
     pub(super) fn size(self) -> f64 {
-        self.line.or(self.point).map_or(0.0, |(size, _)| size)
+        self.line.map(|line| line.0).or(self.point.map(|point| point.0)).unwrap_or(0.0)
     }
 }
 

@@ -123,7 +123,6 @@ for (const [index, one] of charts.entries()) {
       ctx.stroke();
     });
   });
-  const filled = (curve) => (curve.sign ? { paths: signs(curve) } : { fill: curve.ring ? "#fff" : curve.colour });
   // The polygon of a sign around each point.
   const signs = ({ sign, dot }) => (chart, series, from, to) => {
     const [stroke, half] = [new Path2D(), 0.45 * dot * window.devicePixelRatio];
@@ -132,7 +131,7 @@ for (const [index, one] of charts.entries()) {
       const [left, top] = [chart.valToPos(x, "x", true), chart.valToPos(y, "y", true)];
       if (y != null) sign.forEach(([right, down], at) => stroke[at ? "lineTo" : "moveTo"](left + half * right, top + half * down));
     }
-    return { stroke, flags: 3 };
+    return { stroke, fill: stroke, flags: 3 };
   };
   // Half the length of each bar above and below its point.
   const bars = (chart) => clipped(chart, (ctx, bbox) => {
@@ -199,9 +198,11 @@ for (const [index, one] of charts.entries()) {
         value: (_, value) => digits(value),
         dash: dashes(curve),
         ...(curve.line > 0 ? {} : { paths: () => null }),
+        // On cells a dot has a light edge.
         points:
           curve.dot > 0
-            ? { show: true, size: curve.dot, width: curve.ring || curve.sign ? 1.6 : 1, ...filled(curve) }
+            ? { show: true, size: curve.dot + (field ? 2 : 0), width: curve.filled && !curve.sign ? 1 : 1.6, ...(curve.sign && { paths: signs(curve) }),
+                stroke: field && curve.filled ? "#fff" : curve.colour, fill: curve.filled ? curve.colour : "#fff" }
             : { show: false },
       })),
     ],
@@ -226,15 +227,15 @@ for (const [index, one] of charts.entries()) {
     const [min, max] = moves[key].map((part) => chart.posToVal(part * chart.over.clientWidth, "x"));
     chart.setScale("x", { min, max });
   });
-  // The mark before a name is that of its curve: a line, dashes, a dot or a ring.
+  // The mark before a name is that of its curve: its line with dashes, and its sign.
   const rows = [...place.querySelectorAll(".u-series")].slice(-one.curves.length);
-  one.curves.forEach(({ dot, ring, sign, dash, colour }, at) => {
-    const { style } = rows[at].querySelector(".u-marker");
-    const drawn = `<polyline points='${sign}' fill='none' stroke='${encodeURIComponent(colour)}' stroke-width='.4'/></svg>`;
-    const from = "data:image/svg+xml,<svg xmlns='http://www.w3.org/2000/svg' viewBox='-1.4 -1.4 2.8 2.8'>";
-    if (sign) Object.assign(style, { border: 0, background: `url("${from}${drawn}")` });
-    else if (dot > 0) Object.assign(style, { borderRadius: "50%", background: ring ? "" : colour });
-    else Object.assign(style, { height: 0, borderStyle: `${dash ? "dashed" : "solid"} none none` });
+  one.curves.forEach(({ line, dash, dot, filled, sign, colour }, at) => {
+    const look = `fill="${filled ? colour : "#fff"}" stroke="${colour}" vector-effect="non-scaling-stroke" stroke-width="1.6"`;
+    const shape = sign ? `<polyline points="${sign}" ${look}/>` : `<circle r="1" ${look}/>`;
+    const sample = `<svg xmlns="http://www.w3.org/2000/svg" width="36" height="16"><g transform="translate(0 8)">
+      <path d="M0 0H36" stroke="${colour}" stroke-width="${line}" stroke-dasharray="${dash ?? ""}"/>
+      ${dot > 0 ? `<g transform="translate(18) scale(${0.45 * dot})">${shape}</g>` : ""}</g></svg>`;
+    Object.assign(rows[at].querySelector(".u-marker").style, { width: "36px", height: "16px", border: 0, background: `url("data:image/svg+xml,${encodeURIComponent(sample)}")` });
   });
   // A live legend has a row for the abscissa, which hides nothing.
   for (const name of [...place.querySelectorAll(".u-series th")].slice(sameX ? 1 : 0)) {
@@ -264,6 +265,7 @@ for (const [index, one] of charts.entries()) {
     tip.style.display = nearest || below ? "block" : "none";
     if (!nearest && !below) return;
     const [right, down] = nearest ? [nearest.right, nearest.down] : [left, top];
+    tip.textContent = below;
     if (nearest) {
       const { curve, row } = nearest;
       const bar = curve.bars ? ` ± ${digits(curve.bars[row])}` : "";
@@ -271,8 +273,6 @@ for (const [index, one] of charts.entries()) {
       if (curve.named) lines.unshift(curve.name);
       if (curve.notes) lines.push(curve.notes[row]);
       tip.textContent = lines.join("\n");
-    } else {
-      tip.textContent = below;
     }
     tip.style.left = `${right + 12 + tip.offsetWidth > frame.width ? right - 12 - tip.offsetWidth : right + 12}px`;
     tip.style.top = `${Math.max(0, Math.min(down + 12, frame.height - tip.offsetHeight))}px`;

@@ -130,7 +130,7 @@ fn axes(area: &Area<'_>, chart: &Chart, left_room: i32, paths: &mut String) -> D
     }
     let names = entries(&chart.curves, wide);
     if let Some(last) = names.last() {
-        let (above, below) = area.split_vertically(LEGEND * (last.row + 1));
+        let (above, below) = area.split_vertically(LEGEND * (last.row + last.lines.len() as i32));
         legend(&above, &names, paths)?;
         area = below;
     }
@@ -258,44 +258,50 @@ fn scale_of(area: &Area<'_>, field: &Field) -> Drawn {
     Ok(())
 }
 
-/// The name of a curve in the legend: its row, and its left edge.
+/// The name of a curve in the legend: its lines, the row of the first, and its left edge.
 struct Entry<'a> {
     curve: &'a Curve,
+    lines: Vec<String>,
     row: i32,
     left: i32,
 }
 
 /// Length of the line before a name, its distance to the name, and that to the next.
-const SAMPLE: [i32; 3] = [26, 7, 16];
+const SAMPLE: [i32; 3] = [32, 7, 16];
 
 /// The names of the curves in rows that are not wider than `width`.
 fn entries(curves: &[Curve], width: i32) -> Vec<Entry<'_>> {
     let (mut row, mut left) = (0, MARGIN + LEFT);
     let mut entries = Vec::new();
+    let room = width - left - MARGIN - SAMPLE[0] - SAMPLE[1];
     for curve in curves.iter().filter(|curve| !curve.name.is_empty() && !curve.is_hidden) {
-        let wide = SAMPLE[0] + SAMPLE[1] + width_of(&curve.name, TEXT.1);
+        let (_, lines) = lines_of(&curve.name, TEXT.1, room);
+        let widest = lines.iter().map(|line| width_of(line, TEXT.1)).max().unwrap_or(0);
+        let wide = SAMPLE[0] + SAMPLE[1] + widest;
         if left > MARGIN + LEFT && left + wide > width - MARGIN {
             (row, left) = (row + 1, MARGIN + LEFT);
         }
-        entries.push(Entry { curve, row, left });
-        left += wide + SAMPLE[2];
+        let further = lines.len().saturating_sub(1) as i32;
+        entries.push(Entry { curve, lines, row, left });
+        (row, left) = (row + further, left + wide + SAMPLE[2]);
     }
     entries
 }
 
 fn legend(area: &Area<'_>, entries: &[Entry<'_>], paths: &mut String) -> Drawn {
     let (columns, rows) = area.get_pixel_range();
-    for &Entry { curve, row, left } in entries {
+    for &Entry { curve, ref lines, row, left } in entries {
         let middle = LEGEND * row + LEGEND / 2;
         let ends =
             [left, left + SAMPLE[0]].map(|x| [f64::from(columns.start + x), f64::from(rows.start + middle)]);
         let between = [0.5 * (ends[0][0] + ends[1][0]), ends[0][1]];
-        match curve.mark.line {
-            Some(_) => path(paths, curve.colour, Mark { point: None, ..curve.mark }, ends.into_iter()),
-            None => path(paths, curve.colour, curve.mark, std::iter::once(between)),
+        for mark in curve.mark.parts() {
+            let places = if mark.line.is_some() { &ends[..] } else { &[between] };
+            path(paths, curve.colour, mark, places.iter().copied());
         }
-        let place = (left + SAMPLE[0] + SAMPLE[1], middle - 8);
-        area.draw(&Text::new(curve.name.as_str(), place, TEXT.into_font()))?;
+        for (line, top) in lines.iter().zip((middle - 8..).step_by(LEGEND as usize)) {
+            area.draw(&Text::new(line.as_str(), (left + SAMPLE[0] + SAMPLE[1], top), TEXT.into_font()))?;
+        }
     }
     Ok(())
 }
@@ -318,20 +324,22 @@ fn level(points: &mut Vec<[i64; 2]>) {
 }
 
 /// A path through the points, with gaps at those that are no number, or of dots, to a tenth of a pixel; equal dots are drawn once.
-fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<Item = [f64; 2]>) {
-    let points: Vec<[f64; 2]> = points.collect();
+fn path(paths: &mut String, colour: RGBColor, mut mark: Mark, points: impl Iterator<Item = [f64; 2]>) {
+    let mut points: Vec<[f64; 2]> = points.collect();
+    let mut fill = "none".to_owned();
     match mark.point {
-        Some((size, 1)) => {
+        Some((size, 0, false)) => {
             path(paths, colour, Mark::point(0, size), points.clone().into_iter());
             return path(paths, WHITE, Mark::point(0, 0.55 * size), points.into_iter());
         }
-        Some((size, number @ 2..)) => {
+        Some((size, shape @ 1.., is_filled)) => {
+            fill = hex(if is_filled { colour } else { WHITE });
             let corner =
                 |[x, y]: [f64; 2], [right, down]: [f64; 2]| [x + 0.45 * size * right, y + 0.45 * size * down];
             let sign =
-                |&point| SIGNS[number - 2].iter().map(move |at| corner(point, *at)).chain([[f64::NAN; 2]]);
-            let strokes: Vec<[f64; 2]> = points.iter().flat_map(sign).collect();
-            return path(paths, colour, Mark::line(0, 1.6), strokes.into_iter());
+                |&point| SIGNS[shape - 1].iter().map(move |at| corner(point, *at)).chain([[f64::NAN; 2]]);
+            points = points.iter().flat_map(sign).collect();
+            mark = Mark::line(0, 1.6);
         }
         _ => {}
     }
@@ -349,7 +357,7 @@ fn path(paths: &mut String, colour: RGBColor, mark: Mark, points: impl Iterator<
             level(part);
         }
     }
-    let _ = write!(paths, "<path fill=\"none\" stroke=\"{}\" ", hex(colour));
+    let _ = write!(paths, "<path fill=\"{fill}\" stroke=\"{}\" ", hex(colour));
     let _ = write!(paths, "stroke-width=\"{}\" stroke-line", mark.size());
     paths.push_str(if is_dots { "cap=\"round\"" } else { "join=\"round\"" });
     if let Some((_, number @ 1..)) = mark.line {

@@ -29,7 +29,7 @@ const LIBRARY: &str = include_str!("uplot/uPlot.iife.min.js");
 const CHART_STYLE: &str = include_str!("uplot/uPlot.min.css");
 /// The text beside the pointer.
 const TIP: &str = ".tip{position:absolute;display:none;pointer-events:none;white-space:pre;z-index:10;background:#fff;\
-border:1px solid #57606a;border-radius:4px;padding:.2rem .5rem;font-size:.8rem;line-height:1.35}.uplot{margin:1rem 0}.frame{display:none!important}\
+border:1px solid #57606a;border-radius:4px;padding:.2rem .5rem;font-size:.8rem;line-height:1.35}.u-legend th,.u-legend td{border:0}.uplot{margin:1rem 0}.frame{display:none!important}\
 .scale{font-size:.85rem;margin:0 0 1rem 4.5rem}.scale span{display:inline-block;width:16rem;height:.8rem;margin:0 .4rem}";
 /// Makes a chart of each object of `charts`.
 const SCRIPT: &str = include_str!("charts.js");
@@ -148,7 +148,8 @@ impl Page {
 }
 
 fn curve(curve: &Curve, chart: &Chart) -> Value {
-    let [(width, dashes), (size, sign)] = [curve.mark.line, curve.mark.point].map(Option::unwrap_or_default);
+    let (width, dashes) = curve.mark.line.unwrap_or_default();
+    let (size, shape, is_filled) = curve.mark.point.unwrap_or_default();
     let mut value = json!({
         "name": if curve.name.is_empty() { &chart.up.title } else { &curve.name },
         "named": !curve.name.is_empty(),
@@ -156,8 +157,8 @@ fn curve(curve: &Curve, chart: &Chart) -> Value {
         "line": width,
         "dash": dashes.checked_sub(1).map(|at| DASHES[at]),
         "dot": size,
-        "ring": sign == 1,
-        "sign": sign.checked_sub(2).map(|at| SIGNS[at]),
+        "filled": is_filled,
+        "sign": shape.checked_sub(1).map(|at| SIGNS[at]),
         "hidden": curve.is_hidden,
     });
     let (rows, x): (Vec<usize>, Vec<f64>) = if chart.is_orbit {

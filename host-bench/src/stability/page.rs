@@ -14,13 +14,8 @@ use crate::report::svg::{power_of_ten, tick};
 /// The file beside the page that has a row for each case.
 pub(crate) const CASES: &str = "cases.csv";
 
-#[derive(Debug, Clone, Copy)]
-struct Axis {
-    /// The quantity with its unit.
-    title: &'static str,
-    /// The key of the scene, or [`STEP`].
-    key: &'static str,
-}
+/// A quantity with its unit, and its key of the scene, or [`STEP`].
+type Axis = (&'static str, &'static str);
 
 /// The key of the option `--step`.
 const STEP: &str = "--step";
@@ -37,21 +32,19 @@ struct Map {
 /// The default of `--step`, below every step.
 const DEFAULT: f64 = f64::NEG_INFINITY;
 
-impl Axis {
-    fn value(&self, case: &Case) -> Option<f64> {
-        if self.key == STEP { Some(case.step_s.unwrap_or(DEFAULT)) } else { case.number(self.key) }
-    }
+fn value((_, key): Axis, case: &Case) -> Option<f64> {
+    if key == STEP { Some(case.step_s.unwrap_or(DEFAULT)) } else { case.number(key) }
 }
 
-const RESISTANCE: Axis = Axis { title: "load resistance [Ω]", key: "load.resistance_ohm" };
-const DENSITY: Axis = Axis { title: "charge density [C/m²]", key: "parameters.charge_density_c_per_m2" };
-const FREQUENCY: Axis = Axis { title: "frequency [Hz]", key: "excitation.frequency_hz" };
-const FRICTION: Axis = Axis { title: "kinetic friction", key: "parameters.kinetic_friction_active" };
-const AMPLITUDE: Axis = Axis { title: "amplitude [m/s²]", key: "excitation.amplitude_m_per_s2" };
-const STEP_AXIS: Axis = Axis { title: "step [s]", key: STEP };
-const GAP: Axis = Axis { title: "gap [m]", key: "stop.gap_m" };
-const BEAM_MODES: Axis = Axis { title: "beam modes", key: "parameters.beam_modes" };
-const MODULUS: Axis = Axis { title: "modulus of the rod [Pa]", key: "stop.young_modulus_pa" };
+const RESISTANCE: Axis = ("load resistance [Ω]", "load.resistance_ohm");
+const DENSITY: Axis = ("charge density [C/m²]", "parameters.charge_density_c_per_m2");
+const FREQUENCY: Axis = ("frequency [Hz]", "excitation.frequency_hz");
+const FRICTION: Axis = ("kinetic friction", "parameters.kinetic_friction_active");
+const AMPLITUDE: Axis = ("amplitude [m/s²]", "excitation.amplitude_m_per_s2");
+const STEP_AXIS: Axis = ("step [s]", STEP);
+const GAP: Axis = ("gap [m]", "stop.gap_m");
+const BEAM_MODES: Axis = ("beam modes", "parameters.beam_modes");
+const MODULUS: Axis = ("modulus of the rod [Pa]", "stop.young_modulus_pa");
 
 const MAPS: [Map; 8] = [
     Map { scene: "contact-separation", across: RESISTANCE, up: DENSITY },
@@ -81,7 +74,7 @@ pub(crate) fn page(cases: &[Case], rows: &[Finding]) -> String {
     }
     for map in MAPS {
         if let Some(tables) = map.tables(cases, rows) {
-            let title = format!("{}: {} against {}", map.scene, map.across.title, map.up.title);
+            let title = format!("{}: {} against {}", map.scene, map.across.0, map.up.0);
             page.add(&format!("<h2>{}</h2>\n{tables}", escaped(&title)));
             page.note(
                 "A cell holds every case with both values; the width of a colour is the share of the class.",
@@ -111,7 +104,7 @@ impl Map {
         let of_scene = cases.iter().zip(rows).filter(|(case, _)| case.scene.starts_with(self.scene));
         let points: Vec<([f64; 2], Precision, Class)> = of_scene
             .filter_map(|(case, row)| {
-                Some(([self.across.value(case)?, self.up.value(case)?], case.precision, row.class))
+                Some(([value(self.across, case)?, value(self.up, case)?], case.precision, row.class))
             })
             .collect();
         points.first()?;
@@ -129,7 +122,7 @@ impl Map {
                 text,
                 "<table class=\"cells\"><caption>{}</caption><tr><th>{}</th></tr>",
                 precision.name(),
-                escaped(self.up.title)
+                escaped(self.up.0)
             );
             for up in &lines {
                 let _ = write!(text, "<tr><th>{}</th>", label(*up));
@@ -141,7 +134,7 @@ impl Map {
                 text += "</tr>\n";
             }
             let labels: String = columns.iter().map(|value| format!("<th>{}</th>", label(*value))).collect();
-            let (count, title) = (columns.len(), escaped(self.across.title));
+            let (count, title) = (columns.len(), escaped(self.across.0));
             let _ = writeln!(
                 text,
                 "<tfoot><tr><th></th>{labels}</tr><tr><th></th><th colspan=\"{count}\">{title}</th></tr></tfoot></table>"
@@ -166,7 +159,7 @@ impl Map {
             return "<td></td>".to_owned();
         }
         let words = [&self.across, &self.up].into_iter().zip(place);
-        let words = words.map(|(axis, value)| format!("{} {}", axis.title, label(value)));
+        let words = words.map(|(axis, value)| format!("{} {}", axis.0, label(value)));
         format!(
             "<td title=\"{}: {}\" style=\"background:linear-gradient(to right,{})\"></td>",
             escaped(&words.collect::<Vec<_>>().join(", ")),

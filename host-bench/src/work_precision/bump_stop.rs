@@ -187,20 +187,9 @@ fn errors_note(table: &Comparison) -> String {
 
 /// The fastest row of each method that reaches the target.
 fn fastest_note(table: &Comparison) -> String {
-    let methods = [
-        ("the core", Method::DiscreteGradient),
-        ("TR-BDF2", Method::TrBdf2),
-        ("Newmark", Method::Newmark),
-        ("RK4", Method::Rk4),
-    ];
-    let parts = methods.map(|(name, method)| match table.fastest(|variant| variant.method == method) {
-        Some((row, found)) => {
-            let step_s = steps_of(&row.variant)[0].unwrap_or(f64::NAN);
-            format!("{name} {:.0} us (step {:.2} us)", found.ns_per_s / 1e3, step_s * 1e6)
-        }
-        None => format!("{name} none"),
-    });
-    format!("Host time per simulated second of the fastest rows within that: {}.", parts.join(", "))
+    let methods = [Method::DiscreteGradient, Method::TrBdf2, Method::Newmark, Method::Rk4];
+    let step_us = |row: &Row| 1e6 * steps_of(&row.variant)[0].unwrap_or(f64::NAN);
+    table.fastest_note(methods, |row| format!("step {:.2} µs", step_us(row)))
 }
 
 fn summary(table: &Comparison) -> Vec<(&'static str, Value)> {

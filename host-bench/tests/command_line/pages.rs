@@ -20,6 +20,13 @@ window.addEventListener("load", () => setTimeout(() => {
     const at = (type, x, y) => (type === "mouseup" ? document : over).dispatchEvent(new MouseEvent(type, {
       bubbles: true, clientX: frame.left + x * frame.width, clientY: frame.top + y * frame.height, button: 0, movementX: 9,
     }));
+    // The cells of a map are at every place between its axes, whether linear or logarithmic.
+    const [canvas, parts] = [root.querySelector("canvas"), Array.from({ length: 20 }, (_, at) => (at + 0.5) / 20)];
+    const box = canvas.getBoundingClientRect();
+    const pixel = (x, y) => [frame.left - box.left + x * frame.width, frame.top - box.top + y * frame.height]
+      .map((at) => at * devicePixelRatio);
+    const alpha = (x, y) => canvas.getContext("2d").getImageData(...pixel(x, y), 1, 1).data[3];
+    const covered = parts.every((x) => parts.every((y) => alpha(x, y) === 255));
     // Hover: the nearest point of the whole chart.
     let tip = "";
     for (let x = 0.02; x < 1 && !tip; x += 0.02)
@@ -41,14 +48,15 @@ window.addEventListener("load", () => setTimeout(() => {
     const before = pixels();
     at("mousemove", 0.4, 0.5); at("mousedown", 0.4, 0.5); at("mousemove", 0.5, 0.5); at("mousemove", 0.6, 0.5);
     at("mouseup", 0.6, 0.5);
-    told.push({ tip, hidden, shown, root, pixels, before, press, over });
+    told.push({ tip, covered, hidden, shown, root, pixels, before, press, over });
   }
   // The library ignores a move by nothing, and draws between two frames.
   const later = (each, then) => setTimeout(() => { told.forEach(each); then(); }, 200);
   later((one) => { one.zoomed = one.pixels() !== one.before; one.press(one.over, "Escape"); }, () =>
   later((one) => { one.whole = one.pixels() === one.before; one.press(one.over, "+"); }, () =>
   later((one) => { one.pressed = one.pixels() !== one.before; }, () => {
-    const charts = told.map(({ tip, hidden, shown, zoomed, whole, pressed }) => ({ tip, hidden, shown, zoomed, whole, pressed }));
+    const charts = told.map(({ tip, covered, hidden, shown, zoomed, whole, pressed }) =>
+      ({ tip, covered, hidden, shown, zoomed, whole, pressed }));
     const place = document.createElement("pre");
     place.id = "found";
     place.textContent = JSON.stringify({ faults, charts });
@@ -87,6 +95,11 @@ fn used(html: impl AsRef<Path>) -> Vec<serde_json::Value> {
     charts
 }
 
+/// Whether these charts, and no others, have cells at every place between their axes.
+fn are_maps(charts: &[serde_json::Value], maps: &[bool]) -> bool {
+    charts.iter().map(|chart| chart["covered"].as_bool()).eq(maps.iter().map(|is_map| Some(*is_map)))
+}
+
 /// Whether the pointer shows all of it at some chart.
 fn tells(charts: &[serde_json::Value], parts: &[&str]) -> bool {
     let tips = charts.iter().filter_map(|chart| chart["tip"].as_str());
@@ -119,8 +132,8 @@ fn a_browser_draws_a_sweep() {
         [&["sweep", PASSIVE, "--over", "load.resistance_ohm=1e7:1e9:3:log"], &one[..], &SHORT[..]].concat();
     accepted(&two);
     let charts = used(folder.join("sweep.html"));
-    // Curves and map of mean power and RMS voltage.
-    assert_eq!(charts.len(), 4);
+    // Curves and maps of mean power and RMS voltage.
+    assert!(are_maps(&charts, &[false, false, true, true]), "{charts:?}");
     assert!(tells(&charts[..2], &["load resistance = ", "RMS voltage: ", " V"]), "{charts:?}");
     let cell = ["load resistance: ", " Ω", "excitation frequency: ", " Hz", "mean power: ", " µW"];
     assert!(tells(&charts[2..], &cell), "{charts:?}");
@@ -139,9 +152,9 @@ fn a_browser_draws_an_optimum() {
     assert_eq!(charts.len(), 2);
     assert!(tells(&charts[..1], &["excitation frequency: ", "mean power: "]), "{charts:?}");
     assert!(tells(&charts[1..], &["run: ", "mean power: ", "excitation.frequency_hz = "]), "{charts:?}");
-    accepted(&[&command[..], &["--over", "load.resistance_ohm=1e7:1e10:log"], &one[..]].concat());
+    accepted(&[&command[..], &one, &["--over", "load.resistance_ohm=1e7:1e10:log"]].concat());
     let charts = used(&html);
-    assert_eq!(charts.len(), 2);
+    assert!(are_maps(&charts, &[true, false]), "{charts:?}");
     let cell = ["excitation frequency: ", "load resistance: ", "mean power: "];
     assert!(tells(&charts[..1], &cell), "{charts:?}");
 }
@@ -154,7 +167,7 @@ fn a_browser_draws_a_map() {
     let text = accepted(&[&["map", PASSIVE], &range[..]].concat());
     assert!(text.contains("largest_income_w ") && !text.contains("largest_income_a"), "{text}");
     let charts = used(&html);
-    assert_eq!(charts.len(), 1);
+    assert!(are_maps(&charts, &[true]), "{charts:?}");
     let cell =
         ["frequency: ", " Hz", "detuning: ", "amplitude: ", "mean power: ", " µW", "at most: ", "motion"];
     assert!(tells(&charts, &cell), "{charts:?}");
