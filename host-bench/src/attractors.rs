@@ -78,8 +78,13 @@ impl Place {
 
     /// The start at some sizes of the motion from rest.
     fn at(&self, [displacement, velocity]: [f64; 2]) -> [f64; 2] {
+        self.within([self.rest_m + self.size[0] * displacement, self.size[1] * velocity])
+    }
+
+    /// The possible start nearest to a displacement in m and a velocity in m/s.
+    pub(crate) fn within(&self, [displacement_m, velocity_m_per_s]: [f64; 2]) -> [f64; 2] {
         let [low, high] = self.ends_m;
-        let at = (self.rest_m + self.size[0] * displacement).clamp(low, high);
+        let at = displacement_m.clamp(low, high);
         // A slider that is faster leaves the overlap of the patches.
         let left = if low.is_finite() && high.is_finite() {
             (high * high - at * at).max(0.0).sqrt()
@@ -87,12 +92,12 @@ impl Place {
             f64::INFINITY
         };
         let most = self.size[1] / self.size[0] * left;
-        [at, (self.size[1] * velocity).clamp(-most, most)]
+        [at, velocity_m_per_s.clamp(-most, most)]
     }
 
     /// The least and the largest displacement in m and velocity in m/s of a start.
     pub(crate) fn ranges(&self) -> [[f64; 2]; 2] {
-        let [low, high] = [[-REACH; 2], [REACH; 2]].map(|sizes| self.at(sizes));
+        let [low, high] = [-REACH, REACH].map(|size| [self.at([size, 0.0])[0], self.at([0.0, size])[1]]);
         [[low[0], high[0]], [low[1], high[1]]]
     }
 }
@@ -257,6 +262,14 @@ pub(crate) fn elsewhere(scenes: &[(Scene, Options)]) -> Result<Vec<Option<String
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_slider_starts_with_the_velocities_that_stay_within_the_patches() {
+        let place = Place { rest_m: 0.0, size: [0.02, 4.0], ends_m: [-0.01, 0.01] };
+        assert_eq!(place.ranges(), [[-0.01, 0.01], [-2.0, 2.0]]);
+        assert_eq!(place.within([0.01, 1.0]), [0.01, 0.0]);
+        assert!((place.within([0.006, 3.0])[1] - 1.6).abs() < 1e-12);
+    }
 
     #[test]
     fn a_start_whose_run_fails_agrees_with_none() {

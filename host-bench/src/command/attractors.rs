@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use comfy_table::presets;
 
 use super::files::Outputs;
-use super::sweep::picture::{Labels, Quantity, kinds, picture};
-use super::sweep::{Axis, values};
+use super::sweep::Axis;
+use super::sweep::picture::kinds;
 use super::{NODE, SceneArguments, check_overrides, count, one_more, print, with_progress};
 use crate::accuracy::{Statements, print_warnings, run_as_it_is};
 use crate::attractors::{self, End, Place, UNSETTLED, branches, ends, failed, motions, settled};
@@ -15,12 +15,14 @@ use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::{Branch, Fields, Format, Outcome, fields};
 use crate::report::chart::MARKS;
-use crate::report::setting::with_unit;
+use crate::report::setting::distinct_labels;
 use crate::rows::{Digits, Rows};
 use crate::run::{run_scene, try_each};
 use crate::scene_file;
 use crate::shift::{start, started};
 
+/// The parts of both axes by which each start is beside the one before, which fill the square evenly (Roberts's sequence R2).
+const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 /// The help of `--accuracy`.
 const ACCURACY: &str = "Relative error of the mean power to aim at, by exponential Radau; the tolerance follows [default: 1e-4; \
                         a bump-stop scene has its default steps]";
@@ -34,7 +36,7 @@ const ACCURACY: &str = "Relative error of the mean power to aim at, by exponenti
 pub struct AttractorsArguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// Starts beside that of the scene, in a square grid over displacement and velocity
+    /// Starts, the first that of the scene, the others spread evenly over displacement and velocity
     #[arg(long, value_name = "COUNT", default_value_t = 64, value_parser = count::<u32>(4..=100_000))]
     starts: u32,
     /// Write the mean power over displacement and velocity at the start (.svg), or a page with zoom (.html)
@@ -64,8 +66,9 @@ pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
     let axes =
         [("velocity at the start [m/s]", velocities), ("displacement at the start [m]", displacements)]
             .map(|(name, ends)| Axis::new(name, ends, side, false));
-    let grid = (0..side * side).map(|index| values(&axes, index)).map(|at| [at[1], at[0]]);
-    let starts: Vec<[f64; 2]> = std::iter::once(start(&later)).chain(grid).collect();
+    let at = |number: u32, axis: usize| axes[axis].at((STEPS[axis] * f64::from(number)).fract());
+    let spread = (1..arguments.starts).map(|number| place.within([at(number, 1), at(number, 0)]));
+    let starts: Vec<[f64; 2]> = std::iter::once(start(&later)).chain(spread).collect();
     let ends = with_progress(starts.len(), |bar| ends(&later, options, &starts, || one_more(bar)));
     let mut motions = motions(&ends);
     motions.sort_by_key(|motion| Reverse(motion.len()));
@@ -78,18 +81,14 @@ pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
     let doubts: Vec<String> = unsettled.into_iter().chain(failed(&ends, starts.len())).collect();
     if let Some(path) = &arguments.picture {
         let title = Name::of_file(file).line();
-        let picture = if motions.len() <= MARKS {
-            Some(kinds(&title, &axes, motions.iter().map(|motion| basin(motion, starts.len()))))
-        } else {
-            let power = |start: &[f64; 2]| Some(ends.iter().find(|end| end.start == *start)?.power_w);
-            let powers = starts.iter().skip(1).map(power).collect();
-            let quantity = Quantity { name: "mean power", unit: "W", values: powers };
-            let words = Labels { title: &title, without: "the run failed", marked: (&[], "") };
-            picture(words, &axes, &[quantity])
-        };
-        if let Some(picture) = picture {
-            outputs.keep(path, picture.of_file(path)?);
-        }
+        // Of more motions than there are signs the rarest have one sign.
+        let named = if motions.len() > MARKS { MARKS - 1 } else { motions.len() };
+        let (named, others) = motions.split_at(named);
+        let rest = others.concat();
+        let rest_name = format!("{} other motions, {} of {} starts", others.len(), rest.len(), starts.len());
+        let rest = (!rest.is_empty()).then(|| (rest_name, rest.iter().map(|end| end.start).collect()));
+        let kinds = kinds(&title, &axes, named.iter().map(|motion| basin(motion, starts.len())).chain(rest));
+        outputs.keep(path, kinds.of_file(path)?);
     }
     print_warnings(&Statements::of(&outcomes).fields(&doubts));
     print(&text(&found, &outcomes, &doubts, *format))?;
@@ -99,7 +98,7 @@ pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
 /// What a motion is called, and the starts that lead to it, with the last axis first.
 fn basin(motion: &[&End], starts: usize) -> (String, Vec<[f64; 2]>) {
     let period = motion[0].period.map_or_else(String::new, |period| format!(", period {period}"));
-    let power = with_unit(motion[0].power_w, "W");
+    let power = distinct_labels(&[motion[0].power_w], "W").concat();
     let name = format!("{power}{period}, {} of {starts} starts", motion.len());
     (name, motion.iter().map(|end| end.start).collect())
 }

@@ -66,7 +66,7 @@ fn all_starts_are_shared_among_the_motions_that_they_find() {
         "{all:?}"
     );
     let drawn = std::fs::read_to_string(picture).expect("a picture");
-    assert!(drawn.contains("of 50 starts") && drawn.contains("velocity at the start"));
+    assert!(drawn.contains("of 40 starts") && drawn.contains("velocity at the start"));
     assert_eq!(json(&[&command[..], &BISTABLE].concat()).as_array(), Some(all), "the same starts again");
     refused(
         &["attractors", SHIPPED, "--set", "excitation={kind=\"silence\"}"],
@@ -82,8 +82,16 @@ fn starts_that_have_not_settled_are_warned_of() {
     assert!(
         found["branches"].is_null() && warnings.contains("attractors: runs from displaced starts have not")
     );
-    let all = json(&[&["attractors", PASSIVE, "--starts", "4"], &BISTABLE[..], &short].concat());
+    let picture = &place(&folder("attractors-many"), "starts.svg");
+    let short = ["--set", "run={duration_s=0.3,settle_s=0.1}"];
+    let many = ["attractors", PASSIVE, "--starts", "40", "--picture", picture];
+    let all = json(&[&many[..], &BISTABLE, &short].concat());
     assert!(all[0]["warnings"].to_string().contains("have not settled"), "{all}");
+    // Six of them have a sign of their own, the others one together.
+    let drawn = std::fs::read_to_string(picture).expect("a picture");
+    let others = all.as_array().map_or(0, Vec::len) - 6;
+    assert!(others > 1 && drawn.contains(&format!("{others} other motions, ")), "{others}");
+    assert_eq!(drawn.matches(" of 40 starts").count(), 7);
 }
 
 #[test]

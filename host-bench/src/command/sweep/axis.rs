@@ -41,7 +41,7 @@ impl Axis {
     }
 
     /// The value at a part of the way from FROM to TO.
-    pub(super) fn at(&self, part: f64) -> f64 {
+    pub(in crate::command) fn at(&self, part: f64) -> f64 {
         if self.logarithmic {
             // To base ten, so that decades are exact.
             10f64.powf(self.from.log10() + part * (self.to.log10() - self.from.log10()))
