@@ -13,7 +13,7 @@ use crate::name::Name;
 use crate::report::Picture;
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::file::columns;
-use crate::report::setting::{number_and_unit, scaled, with_unit};
+use crate::report::setting::{distinct_labels, number_and_unit, scaled, with_unit};
 use crate::report::svg::{BLACK, COLOURS, range};
 use crate::scene_file::{Excitation, Scene, Tone};
 
@@ -342,7 +342,7 @@ fn noise_floor(noise: f64, largest: f64, unit: &str) -> String {
         // Runs of a chaotic or chattering motion part from each other, however accurate they are.
         ", by two runs that part:"
     };
-    format!("noise floor of a line{words} {}", with_unit(noise.max(1e-6 * largest), unit))
+    format!("noise floor of a line{words} {}", distinct_labels(&[noise.max(1e-6 * largest)], unit).concat())
 }
 
 #[cfg(test)]

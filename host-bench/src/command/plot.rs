@@ -9,7 +9,7 @@ use crate::method::{Failure, Options};
 use crate::motion::{self, LogAxis, Series, View, Wanted};
 use crate::outcome::{Fields, Format, text};
 use crate::report::Picture;
-use crate::report::setting::{margin, named, setting};
+use crate::report::setting::{distinct_labels, margin, named, setting, words_and_unit};
 use crate::run::run_scene;
 use crate::scene_file::{self, Override, Scene};
 
@@ -170,13 +170,18 @@ fn scenes(arguments: &PlotArguments) -> Result<Vec<(String, Scene)>, Failure> {
             values.len()
         )));
     }
-    let scene = |value: &String| {
+    let file = &arguments.scene.scene;
+    let read = |value: &String| {
         let last = std::iter::once(Override::new(key, value).by("--compare"));
         let overrides: Vec<Override> = arguments.scene.overrides.iter().cloned().chain(last).collect();
-        let short = key.rsplit('.').next().unwrap_or(key);
-        Ok((format!("{short} = {value}"), scene_file::read(&arguments.scene.scene, &overrides)?))
+        Ok((scene_file::number_at(file, &overrides, key)?, scene_file::read(file, &overrides)?))
     };
-    values.iter().map(scene).collect()
+    let found: Vec<(Option<f64>, Scene)> = values.iter().map(read).collect::<Result<_, Failure>>()?;
+    let (words, unit) = words_and_unit(key);
+    let numbers: Option<Vec<f64>> = found.iter().map(|(number, _)| *number).collect();
+    let labels = numbers.map_or_else(|| values.clone(), |numbers| distinct_labels(&numbers, &unit));
+    let named = labels.iter().zip(found).map(|(label, (_, scene))| (format!("{words} = {label}"), scene));
+    Ok(named.collect())
 }
 
 /// First and last instant that are shown.

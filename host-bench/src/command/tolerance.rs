@@ -17,10 +17,10 @@ use super::sweep::warnings;
 use crate::accuracy::print_warnings;
 use crate::method::Failure;
 use crate::optimise::check_quantity;
-use crate::outcome::{Fields, Format, fields, flattened, folded, shown, small, text};
+use crate::outcome::{Fields, Format, fields, flattened, folded, small, text};
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
 use crate::report::setting::{distinct_labels, label, number_and_unit, scaled, words_and_unit};
-use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, range, tick};
+use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, range};
 use crate::report::{Picture, terminal};
 use crate::rows::{Digits, Rows};
 use crate::seeds::SampleStatistics;
@@ -168,7 +168,7 @@ impl<'a> Found<'a> {
         };
         let size = |one: &Value| one["total"].as_f64().unwrap_or(f64::INFINITY);
         let stated = points.iter().filter_map(|point| point.found.as_ref().ok()?.get("accuracy"));
-        let remarks = remarks(sampling, points, (quantity, values.len()), matter.r_squared);
+        let remarks = remarks(sampling, points, (quantity, &sorted), matter.r_squared);
         let fields = fields(&json!({
             "quantity": quantity,
             "generator": GENERATOR,
@@ -199,13 +199,13 @@ impl<'a> Found<'a> {
             let columns = rows.plain().into_iter().map(|(name, key, _)| (name, key, Digits::Exponent(4)));
             rows.table(presets::NOTHING, &columns.collect::<Vec<_>>(), 1)
         });
-        let fits = ["linear", "quadratic"]
-            .map(|name| format!("{name} fit: R² = {}", shown(&self.fields[&format!("{name}_r_squared")])));
+        let r_squared = ["linear_r_squared", "quadratic_r_squared"].map(|name| self.fields[name].as_f64());
+        let fits = explained(r_squared, &self.sorted);
         let chart = picture.charts.first().map_or_else(String::new, |chart| terminal(chart, 12));
         let heading =
             format!("{}: {}; accuracy of mean_power_w {stated}", self.arguments.quantity, self.note());
         let heading = folded(&heading, 2);
-        format!("{heading}\n\n{statistics}\n{keys}{}\n\n{chart}", fits.join(", "))
+        format!("{heading}\n\n{statistics}\n{keys}R²: {fits}\n\n{chart}")
     }
 
     /// The distribution, and the quantity over each of the keys that matter most.
@@ -214,7 +214,9 @@ impl<'a> Found<'a> {
         let (words, unit) = number_and_unit(&self.arguments.quantity);
         let (title, factor) = scaled(&words, unit, sorted.iter().copied());
         let share = |value: f64| sorted.partition_point(|one| *one <= value) as f64 / sorted.len() as f64;
-        let named = |name: &str, value: f64| format!("{}: {}", name.replace('_', " "), tick(factor * value));
+        let named = |name: &str, value: f64| {
+            format!("{}: {}", name.replace('_', " "), distinct_labels(&[value], unit).concat())
+        };
         let upright = |name: &str, colour, mark, value: f64| {
             let ends = [0.0, 1.0].map(|share| (factor * value, share));
             Curve::new(named(name, value), colour, mark, ends)
@@ -262,24 +264,32 @@ impl<'a> Found<'a> {
     }
 }
 
+/// How much of the variance both fits explain, or why there is none.
+fn explained(r_squared: [Option<f64>; 2], sorted: &[f64]) -> String {
+    let is_constant = sorted.first() == sorted.last();
+    let reason = if is_constant { "fails: all values are equal" } else { "has too few samples" };
+    let [linear, quadratic] = r_squared.map(|part| match part {
+        Some(part) => format!("explains {:.1} % of the variance", 100.0 * part.max(0.0)),
+        None => reason.to_owned(),
+    });
+    format!("a linear fit {linear}, a quadratic one {quadratic}")
+}
+
 /// What is to be known of the samples beside the warnings of their runs.
 fn remarks(
     sampling: &Sampling,
     points: &[Point],
-    (quantity, valued): (&str, usize),
+    (quantity, sorted): (&str, &[f64]),
     r_squared: [Option<f64>; 2],
 ) -> impl Iterator<Item = String> {
-    let all = points.len() - 1;
+    let (all, valued) = (points.len() - 1, sorted.len());
     let lacking = (valued < all)
         .then(|| format!("{} of {all} samples failed or have no {quantity}, and are left out", all - valued));
     let unexplained = r_squared[0].is_none_or(|part| part < LEAST_R_SQUARED).then(|| {
-        let [linear, quadratic] = r_squared.map(|part| match part {
-            Some(part) => format!("explains {:.0} % of the variance", 100.0 * part.max(0.0)),
-            None => "has too few samples".to_owned(),
-        });
         format!(
-            "sensitivities: a linear fit {linear}, a quadratic one {quadratic}: standardised coefficients do not say which key \
-             matters, and variance_share as far as the latter"
+            "sensitivities: {}: standardised coefficients do not say which key matters, and variance_share as far as the \
+             quadratic fit",
+            explained(r_squared, sorted)
         )
     });
     let repeated = sampling.parts().filter(|parts| *parts < all).map(|parts| {

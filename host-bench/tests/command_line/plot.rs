@@ -18,8 +18,8 @@ fn a_plot_has_runs_and_traces() {
     for text in [
         "contact-separation-passive.toml",
         "1.962 m/s², 20.5 Hz",
-        "resistance_ohm = 1e6",
-        "resistance_ohm = 1e8",
+        "load resistance = 1 MΩ",
+        "load resistance = 100 MΩ",
         "trace.csv",
         "gap [mm]",
         "phase portrait",
