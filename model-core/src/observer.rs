@@ -1,15 +1,12 @@
 //! Observes every run: accepted steps, events, and the outputs at their ends, alike for all harvesters.
 //!
-//! A harvester fills one [`AcceptedStep`] for each accepted step and one [`Event`] for each jump. Meters, the energy
-//! ledger and the estimator are [`Observer`]s of these and independent of the scene. An observer that
-//! reads no outputs of steps declares it by [`Observer::READS_OUTPUTS`]; the harvester then does not compute them.
+//! A harvester fills one [`AcceptedStep`] for each accepted step and one [`Event`] for each jump. Meters, the energy ledger and the
+//! estimator are [`Observer`]s of these and independent of the scene. What an observer declares that it does not read is not computed.
 
 use crate::clock::Instant;
 use crate::scalar::Scalar;
 
-/// Index of a power in the list that is integrated along with a step.
-///
-/// A run integrates either the first entry alone, which a sensor node needs, or all entries.
+/// Index of a power in the list that is integrated along with a step: the first entry alone, which a sensor node needs, or all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PowerIndex {
@@ -29,10 +26,8 @@ pub enum PowerIndex {
     Dissipation,
     /// Power in W that the motion loses to the electrostatic or piezoelectric force of the model.
     ElectrostaticWork,
-    /// Power in W that the electric field gains from the motion.
-    ///
-    /// It equals [`PowerIndex::ElectrostaticWork`] if the force law is derived from the field. With an
-    /// inferred force law, or one-way coupling, the difference is energy that the model creates.
+    /// Power in W that the electric field gains from the motion: [`PowerIndex::ElectrostaticWork`] if the force law is derived from the
+    /// field. With an inferred force law, or one-way coupling, the difference is energy that the model creates.
     FieldWork,
     /// Power lost in the diodes of a rectifier in W.
     Diodes,
@@ -269,11 +264,11 @@ pub struct Event<'a, S> {
     note = "pass `&mut ()` to observe nothing, a meter of the same scalar type, or a tuple of two `&mut` observers"
 )]
 pub trait Observer<S: Scalar> {
-    /// Whether [`Observer::step`] reads [`AcceptedStep::start`], [`AcceptedStep::end`],
-    /// [`AcceptedStep::mean_voltage`] or [`AcceptedStep::contact`].
-    ///
-    /// If `false`, these are not computed and must not be read. Events always have their outputs.
+    /// Whether [`Observer::step`] reads [`AcceptedStep::start`], [`AcceptedStep::end`], [`AcceptedStep::mean_voltage`] or
+    /// [`AcceptedStep::contact`]. If `false`, these are not computed and must not be read. Events always have their outputs.
     const READS_OUTPUTS: bool = true;
+    /// Whether [`Observer::step`] reads more than the first of [`AcceptedStep::energies`]. If `false`, a bump-stop has no others.
+    const READS_POWERS: bool = true;
 
     /// Receives an accepted step.
     fn step(&mut self, step: &AcceptedStep<'_, S>);
@@ -286,6 +281,7 @@ pub trait Observer<S: Scalar> {
 /// The observer that ignores everything.
 impl<S: Scalar> Observer<S> for () {
     const READS_OUTPUTS: bool = false;
+    const READS_POWERS: bool = false;
 
     #[inline]
     fn step(&mut self, _step: &AcceptedStep<'_, S>) {}
@@ -294,6 +290,7 @@ impl<S: Scalar> Observer<S> for () {
 /// An observer, or none.
 impl<S: Scalar, A: Observer<S>> Observer<S> for Option<&mut A> {
     const READS_OUTPUTS: bool = A::READS_OUTPUTS;
+    const READS_POWERS: bool = A::READS_POWERS;
 
     #[inline]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {
@@ -313,6 +310,7 @@ impl<S: Scalar, A: Observer<S>> Observer<S> for Option<&mut A> {
 /// Two observers of the same run.
 impl<S: Scalar, A: Observer<S>, B: Observer<S>> Observer<S> for (&mut A, &mut B) {
     const READS_OUTPUTS: bool = A::READS_OUTPUTS || B::READS_OUTPUTS;
+    const READS_POWERS: bool = A::READS_POWERS || B::READS_POWERS;
 
     #[inline]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {

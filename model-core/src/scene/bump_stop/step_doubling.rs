@@ -124,6 +124,7 @@ struct Delivered<S>(S);
 
 impl<S: Scalar> Observer<S> for Delivered<S> {
     const READS_OUTPUTS: bool = false;
+    const READS_POWERS: bool = false;
 
     #[inline]
     fn step(&mut self, step: &AcceptedStep<'_, S>) {

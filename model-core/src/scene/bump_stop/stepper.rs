@@ -363,7 +363,7 @@ impl<S: Scalar, P: Parts<S>, const B: usize, const R: usize, const ALL: usize> S
             return Err(StepError { failure, at: state.clock });
         }
         let mut energies = [S::ZERO; ALL_POWERS];
-        let integrated = match self.gramians.first() {
+        let integrated = match self.gramians.first().filter(|_| O::READS_POWERS) {
             None => {
                 energies[PowerIndex::Load as usize] = trial.delivered;
                 1
