@@ -96,12 +96,17 @@ impl Best<'_> {
             "stable-period-1-not-reached" => "the run does not come to the stable orbit of one period",
             _ => "no orbit of one period is found",
         };
-        let [low, high] = self.neighbours();
-        Some(format!(
-            "the best point has no steady motion of one period: {why}. Its {} is that of one run, which may be a lucky one: \
-             {low:.4e} to {high:.4e} at points that differ by a ten-thousandth of a range",
-            self.quantity
-        ))
+        let shown =
+            |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |value| format!("{value:.4e}"));
+        let (own, beside) = (shown(Some(self.value)), self.neighbours().map(shown).collect::<Vec<_>>());
+        beside.iter().any(|value| *value != own).then(|| {
+            format!(
+                "the best point has no steady motion of one period: {why}. Its {} of {own} is that of one run, which may be a lucky \
+                 one: {} at points that differ by a ten-thousandth of a range",
+                self.quantity,
+                beside.join(", ")
+            )
+        })
     }
 
     /// The verdict of shooting; `None` where there is none: without one sine, of a storage that fills, and by a method of the host.
@@ -118,18 +123,40 @@ impl Best<'_> {
         found.steady_state.map(|found| found.steady_state)
     }
 
-    /// The least and the largest value of the point and of those beside it.
-    fn neighbours(&self) -> [f64; 2] {
-        let mut ends = [self.value; 2];
-        for index in 0..self.place.len() {
-            for change in [-NEAR, NEAR] {
-                let mut place = self.place.to_vec();
-                place[index] = (place[index] + change).clamp(0.0, 1.0);
-                if let Some(value) = (self.at)(&place) {
-                    ends = [ends[0].min(value), ends[1].max(value)];
-                }
+    /// The values of the points beside it, two for each key; none of one that fails.
+    fn neighbours(&self) -> impl Iterator<Item = Option<f64>> {
+        (0..2 * self.place.len()).map(|side| {
+            let (mut place, change) = (self.place.to_vec(), if side % 2 == 0 { -NEAR } else { NEAR });
+            place[side / 2] = (place[side / 2] + change).clamp(0.0, 1.0);
+            (self.at)(&place)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene_file;
+
+    #[test]
+    fn a_best_value_is_doubted_where_a_point_beside_it_has_another_or_none() {
+        let doubt = |at: &dyn Fn(&[f64]) -> Option<f64>| {
+            let scene = scene_file::read(&scene_file::shipped("sliding"), &[]).expect("the shipped scene");
+            Best {
+                quantity: "node_runs",
+                place: &[0.5, 1.0],
+                value: 1920.0,
+                scene,
+                options: Options::default(),
+                verdict: Some("none"),
+                shoot: &|_, _| Err(Failure::Input(String::new())),
+                at,
             }
-        }
-        ends
+            .doubt()
+        };
+        assert_eq!(doubt(&|_| Some(1920.0)), None);
+        let failing = doubt(&|place| (place[0] == 0.5).then_some(1920.0)).expect("two points fail");
+        assert!(failing.contains("none, none, 1.9200e3, 1.9200e3 at points"), "{failing}");
+        assert!(doubt(&|place| Some(1920.0 - f64::from(place[1] < 1.0))).is_some());
     }
 }

@@ -100,10 +100,10 @@ fn warnings(
     all.extend(found.unfollowed.iter().map(Unfollowed::text));
     all.extend(without_orbit(problem, solved));
     for combination in &found.undetermined {
-        all.push(format!(
-            "not identifiable: the data do not determine {}; hold one of these keys, or measure what separates them",
-            result::product(combination)
-        ));
+        let way =
+            if combination.len() > 1 { "one of these keys, or measure what separates them" } else { "it" };
+        let keys = result::product(combination);
+        all.push(format!("not identifiable: the data do not determine {keys}; hold {way}"));
     }
     for parameter in found.parameters.iter().filter(|parameter| parameter.at_bound) {
         all.push(format!("{} is at its bound: it has no standard error", parameter.key));

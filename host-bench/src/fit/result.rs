@@ -246,19 +246,21 @@ fn rows(found: &FitResult) -> Rows {
     Rows(found.parameters.iter().map(row).collect())
 }
 
-const COLUMNS: [Column<'_>; 7] = [
+const COLUMNS: [Column<'_>; 6] = [
     ("key", "key", Digits::Word),
     ("value", "value", Digits::Exponent(5)),
     ("standard error", "standard_error", Digits::Exponent(2)),
     ("95 % from", "low_95", Digits::Exponent(5)),
     ("to", "high_95", Digits::Exponent(5)),
     ("start", "start", Digits::Exponent(5)),
-    ("", "at_bound", Digits::Choice(["", "at its bound"])),
 ];
 
 fn for_people(found: &FitResult) -> String {
-    let mut text = rows(found).table(presets::ASCII_MARKDOWN, &COLUMNS, 1);
+    let mut text = rows(found).table(presets::NOTHING, &COLUMNS, 1);
     text.push('\n');
+    for Parameter { key, .. } in found.parameters.iter().filter(|parameter| parameter.at_bound) {
+        let _ = writeln!(text, "at its bound: {key}");
+    }
     for (name, value) in &found.relative_residual {
         let _ = writeln!(text, "relative residual of {name}: {value:.3e}");
     }

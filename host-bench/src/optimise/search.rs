@@ -67,7 +67,6 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
     let between = between(&points, keys, request.grid);
     ahead(between.places.len());
     points.extend(each(&between.places, |place| request.point(place)));
-    let is_level = values.len() > 1 && values.iter().all(|value| *value == values[0]);
     let spacing = 1.0 / (request.grid - 1) as f64;
     let mut ends = Vec::new();
     let aims: &[bool] = if request.constraints.is_empty() { &[true] } else { &[true, false] };
@@ -96,6 +95,7 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
     if !request.single_start {
         add_branches(&scene, &request.options, &mut outcome);
     }
+    let is_level = values.len() > 1 && points.iter().filter_map(Point::value).all(|value| value == values[0]);
     let level = is_level.then(|| {
         format!("{} is the same at all points of the grid: the keys do not change it", request.quantity)
     });
