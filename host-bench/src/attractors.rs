@@ -209,8 +209,7 @@ pub(crate) fn branches(motions: &[Vec<&End>], starts: usize) -> Vec<Branch> {
     motions.iter().map(branch).collect()
 }
 
-/// Seeks other motions of a scene that has given `outcome` by two displaced starts. If one seems to end elsewhere, all are
-/// run again with a later window.
+/// Seeks other motions of a scene that has given `outcome` by two displaced starts, again with a later window if one ends elsewhere.
 pub(crate) fn add_branches(scene: &Scene, asked: &Options, outcome: &mut Outcome) {
     match found(scene, asked, outcome) {
         Ok(branches) => outcome.branches = branches,

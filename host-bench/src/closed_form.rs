@@ -66,8 +66,7 @@ fn estimate_as<S: Scalar>(scene: &Scene) -> Result<Estimate, Failure> {
     Ok(estimate)
 }
 
-/// Undamped frequencies in Hz of the first mode with short-circuited and open terminals; `None` for a triboelectric scene,
-/// whose frequencies depend on the amplitude.
+/// Undamped frequencies in Hz of the first mode with short and open terminals; `None` for a triboelectric scene.
 pub(crate) fn undamped_frequencies(scene: &Scene) -> Result<Option<[f64; 2]>, Failure> {
     let Model::BumpStop(model) = &scene.model else { return Ok(None) };
     let modes = model.parameters.beam_modes;

@@ -24,6 +24,7 @@ mod sweep;
 mod tolerance;
 mod work_precision;
 
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::io::Write;
 use std::ops::RangeInclusive;
@@ -187,20 +188,32 @@ pub(crate) fn count<T: TryFrom<u64>>(
     }
 }
 
-/// A bar on standard error, if that is a terminal.
-pub(crate) fn progress(count: usize) -> ProgressBar {
+/// A bar of a stage of the work on standard error, if that is a terminal.
+pub(crate) fn progress(stage: impl Into<Cow<'static, str>>, count: usize) -> ProgressBar {
     let target = if is_quiet() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(Some(count as u64), target);
-    let template = ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} elapsed, {eta} to go");
+    let bar = ProgressBar::with_draw_target(Some(count as u64), target).with_message(stage);
+    let template =
+        ProgressStyle::with_template("{msg} {bar:40} {percent:>3} %  {elapsed} elapsed, {eta} to go");
     match template {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }
 }
+/// Ends a stage of the work, and begins the next one, of `count` cases.
+pub(crate) fn next_stage(bar: &ProgressBar, stage: &'static str, count: usize) {
+    bar.reset();
+    bar.set_message(stage);
+    bar.set_length(count as u64);
+}
+
 
 /// The result of work with a progress bar over `count` cases, which is gone after it.
-pub(crate) fn with_progress<T>(count: usize, work: impl FnOnce(&ProgressBar) -> T) -> T {
-    let bar = progress(count);
+pub(crate) fn with_progress<T>(
+    stage: impl Into<Cow<'static, str>>,
+    count: usize,
+    work: impl FnOnce(&ProgressBar) -> T,
+) -> T {
+    let bar = progress(stage, count);
     let found = work(&bar);
     bar.finish_and_clear();
     found
@@ -223,7 +236,8 @@ pub(crate) fn more(bar: &ProgressBar, work: u64) {
     let is_tenth = done * 10 / all.max(1) > done.saturating_sub(work) * 10 / all.max(1);
     if bar.is_hidden() && is_tenth && elapsed >= EVERY.as_secs_f64() {
         let to_go = elapsed * all.saturating_sub(done) as f64 / done as f64;
-        note(&format!("{} %  {elapsed:.0} s elapsed, {to_go:.0} s to go", 100 * done / all));
+        let stage = bar.message();
+        note(&format!("{stage}: {} %  {elapsed:.0} s elapsed, {to_go:.0} s to go", 100 * done / all));
     }
 }
 

@@ -1,5 +1,4 @@
-//! Whether an excitation meets the resonances of a scene: a sine is near one, the lines of a random one resolve them, the
-//! samples of a recorded one too.
+//! Whether an excitation meets the resonances of a scene: a sine is near one, lines or samples of others resolve them.
 
 use crate::outcome::{BumpStopOutcome, Outcome};
 use crate::scene_file::{Excitation, Scene};

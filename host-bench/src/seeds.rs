@@ -245,8 +245,7 @@ fn with_seed(scene: &Scene, seed: u64) -> Result<Scene, Failure> {
     Ok(Scene { excitation, ..scene.clone() })
 }
 
-/// The probability that Student's t with `freedom` degrees of freedom is within `±t`: the finite sums of Abramowitz and
-/// Stegun, 26.7.3 and 26.7.4.
+/// The probability that Student's t of `freedom` is within `±t`: the sums of Abramowitz and Stegun, 26.7.3 and 26.7.4.
 fn probability(freedom: u32, t: f64) -> f64 {
     let angle = (t / f64::from(freedom).sqrt()).atan();
     let (sine, square) = (angle.sin(), angle.cos().powi(2));

@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
     let at = |number: u32, axis: usize| axes[axis].at((STEPS[axis] * f64::from(number)).fract());
     let spread = (1..arguments.starts).map(|number| place.within([at(number, 1), at(number, 0)]));
     let starts: Vec<[f64; 2]> = std::iter::once(start(&later)).chain(spread).collect();
-    let ends = with_progress(starts.len(), |bar| ends(&later, options, &starts, || one_more(bar)));
+    let ends = with_progress("starts", starts.len(), |bar| ends(&later, options, &starts, || one_more(bar)));
     let mut motions = motions(&ends);
     motions.sort_by_key(|motion| Reverse(motion.len()));
     let found = branches(&motions, starts.len());

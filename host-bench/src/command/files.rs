@@ -57,8 +57,7 @@ impl Outputs {
         Self { inputs: names.into_iter().map(shipped).collect(), ..Self::default() }
     }
 
-    /// Locks a file. Refuses one that could not be written, must not be replaced, is locked by another command, or was
-    /// named before; `option` names it.
+    /// Locks a file. Refuses one that `option` names twice, that cannot be written, must be kept, or another command has.
     pub(crate) fn check(&self, option: &str, file: &Path) -> Result<(), Failure> {
         if file == Path::new(STANDARD) {
             let is_first = !OUTPUT_IS_A_FILE.swap(true, Ordering::Relaxed);
@@ -269,8 +268,7 @@ fn is_at(file: &File, path: &Path) -> io::Result<bool> {
     Ok(same_file::Handle::from_path(path).is_ok_and(|there| there == own))
 }
 
-/// Fills an open file, with the permissions of the one that it replaces, and renames it, so that a failure of the power leaves
-/// the old one or the new one.
+/// Fills an open file, with the permissions of the one that it replaces, and renames it: a failure leaves the old or the new one.
 pub(super) fn place(
     mut file: &File,
     bytes: &[u8],

@@ -1,5 +1,4 @@
-//! `findings` and `figures`: what the two papers find, measured on the shipped scenes; `validation`: published measurements
-//! beside the models.
+//! `findings` and `figures`: what the two papers find, on the shipped scenes; `validation`: published measurements.
 
 use std::path::PathBuf;
 
@@ -45,7 +44,7 @@ pub(super) fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
     if arguments.robustness {
         return robustness(arguments);
     }
-    let rows = with_progress(wanted(only)?.len(), |bar| {
+    let rows = with_progress("findings", wanted(only)?.len(), |bar| {
         findings::measure(only, *single_start, &|count| bar.inc(count as u64))
     })?;
     print(&match format {
@@ -64,7 +63,7 @@ pub(super) fn run(arguments: &FindingsArguments) -> Result<(), Failure> {
 /// Measures draws of the parameters and prints in which of them each mark stays.
 fn robustness(arguments: &FindingsArguments) -> Result<(), Failure> {
     let FindingsArguments { only, draws, from, .. } = arguments;
-    let found = with_progress(wanted(only)?.len() * *draws as usize, |bar| {
+    let found = with_progress("draws", wanted(only)?.len() * *draws as usize, |bar| {
         findings::drawn(only, *from..from + draws, &|count| bar.inc(count as u64))
     })?;
     let of = |(finding, letters): &(&Finding, String)| Robustness::of(letters, finding.mark);
@@ -191,7 +190,7 @@ pub(super) fn run_figures(arguments: &FiguresArguments) -> Result<(), Failure> {
         make_folder(&folder)?;
         outputs.check("", &folder.join(PAGE))?;
     }
-    let bar = progress(subjects.iter().map(|subject| subject.runs()).sum());
+    let bar = progress("figures", subjects.iter().map(|subject| subject.runs()).sum());
     for subject in subjects {
         let chapter = subject.build(arguments.single_start, &|| bar.inc(1))?;
         let folder = root.join(subject.name());

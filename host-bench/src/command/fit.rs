@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<(), Failure> {
     }
     let request =
         Request { file, overrides, options, data, resample_hz, free, huber, starts, iterations, is_drawn };
-    let found = with_progress(0, |bar| {
+    let found = with_progress("runs", 0, |bar| {
         fit::fit(&request, &scene, &|| {
             bar.inc_length(1);
             bar.inc(1);

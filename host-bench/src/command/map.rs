@@ -103,7 +103,7 @@ pub(super) fn run(arguments: &MapArguments) -> Result<(), Failure> {
     }
     outputs.check_picture("--picture", &arguments.picture)?;
     let options = &arguments.scene.options;
-    let found = with_progress(0, |bar| map::map(&scene, &request, options, &counted_on(bar)))?;
+    let found = with_progress("map", 0, |bar| map::map(&scene, &request, options, &counted_on(bar)))?;
     let name = Name::of_file(&arguments.scene.scene).line();
     let drawn = || map::picture(&found, &name);
     if let Some([map_file, picture]) = &files {
@@ -133,7 +133,7 @@ pub(super) fn run(arguments: &MapArguments) -> Result<(), Failure> {
         })));
     }
     if arguments.inputs > 0 {
-        let detected = with_progress(arguments.inputs, |bar| {
+        let detected = with_progress("inputs", arguments.inputs, |bar| {
             map::detected(&scene, &found, arguments.inputs, request.seed, options, &|| one_more(bar))
         });
         numbers.extend(inputs(&detected?));

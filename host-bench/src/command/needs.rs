@@ -10,7 +10,9 @@ use serde_json::{Value, json};
 use super::files::Outputs;
 use super::map::Range;
 use super::on_target::rows::percent;
-use super::{FileArguments, NODE, check_overrides, json_text, one_more, print, progress, set_option, warn};
+use super::{
+    FileArguments, NODE, check_overrides, json_text, next_stage, one_more, print, progress, set_option, warn,
+};
 use crate::method::{Failure, Options, Precision};
 use crate::name::Name;
 use crate::needs::{
@@ -73,13 +75,13 @@ pub(super) fn run(arguments: &NeedsArguments) -> Result<(), Failure> {
     }
     let study = Study::with_corners(&scene, &corners(arguments, &scene)?, accuracy)?;
     study.full.warnings.iter().for_each(|warning| warn(warning));
-    let bar = progress(1);
+    let bar = progress("parts", 1);
     let counted = |count: usize| {
         bar.set_length(count as u64);
         one_more(&bar);
     };
     let needs = study.needs(counted)?;
-    bar.reset();
+    next_stage(&bar, "steps and precisions", 1);
     let numerics = cheapest(&study, (&needs.cut_scene, needs.cut_change.sampling_error.is_some()), counted);
     bar.finish_and_clear();
     let emission = Emitting { study: &study, needs: &needs, numerics: &numerics };

@@ -65,7 +65,7 @@ pub struct NodeStrategiesArguments {
 
 /// The harvester of a name, or of a scene file, of which a response map is made.
 fn harvester(scene: &str) -> Result<Kind, Failure> {
-    let of_file = |_| with_progress(0, |bar| Kind::of_file(Path::new(scene), &counted_on(bar)));
+    let of_file = |_| with_progress("map", 0, |bar| Kind::of_file(Path::new(scene), &counted_on(bar)));
     Kind::from_str(scene, false).or_else(of_file)
 }
 
@@ -97,7 +97,7 @@ pub(super) fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
         return Err(Failure::Input(text.to_owned()));
     }
     let count = ROWS * extent.parts.len() * extent.storages.len();
-    let rows = with_progress(count, |bar| rows(&extent, &lines, || one_more(bar)));
+    let rows = with_progress("timelines", count, |bar| rows(&extent, &lines, || one_more(bar)));
     print_rows(&rows, arguments.format, 3)?;
     if arguments.format == Format::Table {
         print(&format!("\n{}\n", folded(&summary(&rows), 0)))?;

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use super::files::Outputs;
 use super::fit::{beside, folder};
 use super::{
-    NODE, SceneArguments, StorageVoltage, check_keys, count, json_text, one_more, print, progress, warn,
+    NODE, SceneArguments, StorageVoltage, check_keys, count, json_text, next_stage, one_more, print,
+    progress, warn,
 };
 use crate::fit::{Entry, fitted_scene};
 use crate::method::{Failure, Options};
@@ -102,7 +103,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<(), Failure> {
     }
     outputs.check_picture("--picture", &arguments.picture)?;
     let of_margins: Option<Constraint> = arguments.keep_margins.then(|| MARGINS.parse().ok()).flatten();
-    let bar = progress(0);
+    let bar = progress("", 0);
     let request = Request {
         file,
         overrides,
@@ -119,7 +120,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<(), Failure> {
         single_start: arguments.single_start,
     };
     // A search may end before its most runs.
-    let found = optimise(&request, &|count| bar.set_length(bar.position() + count as u64));
+    let found = optimise(&request, &|stage, count| next_stage(&bar, stage, count));
     bar.finish_and_clear();
     let found = found?;
     found.warnings().for_each(|warning| warn(warning));

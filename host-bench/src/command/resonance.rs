@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &ResonanceArguments) -> Result<(), Failure> {
     let range_hz = [from, to];
     let options = &arguments.scene.options;
     let runs = if short_open { 2 * (points + NARROWING + RESISTANCES) } else { points + NARROWING };
-    let found = with_progress(runs, |bar| {
+    let found = with_progress("frequencies", runs, |bar| {
         if short_open {
             return compared(&scene, range_hz, points, options, bar);
         }

@@ -129,7 +129,7 @@ pub(super) fn picture(
 /// Runs the scene with several seeds and prints the statistics over them.
 fn run_seeds(arguments: &RunArguments, scene: &Scene, options: &Options, count: u64) -> Result<(), Failure> {
     let seeds = seeds::Seeds::new(scene, count)?;
-    let found = with_progress(seeds.count(), |bar| {
+    let found = with_progress("seeds", seeds.count(), |bar| {
         Statistics::of(scene, options, &seeds, !arguments.no_accuracy, || one_more(bar))
     })?;
     print_warnings(&found.stated);

@@ -138,7 +138,7 @@ fn run_days(kind: Option<Kind>, format: Format) -> Result<(), Failure> {
     let pairs = pairs(kind, DAY_S);
     let runs: Vec<(usize, usize)> =
         (0..pairs.len()).flat_map(|pair| [0, 1].map(|precision| (pair, precision))).collect();
-    let outcomes = with_progress(runs.len(), |bar| {
+    let outcomes = with_progress("days", runs.len(), |bar| {
         try_each(&runs, |&(pair, precision)| {
             let outcome = pairs[pair].run(precision);
             one_more(bar);
@@ -173,7 +173,7 @@ fn judged(
         left.chunk_by(|(_, one), (_, other)| one.is_twin_of(other)).collect();
     // Cases of like cost are beside each other: shuffled, the time that is left follows from the time that is gone.
     groups.sort_by_key(|group| group.first().map_or(0, |(number, _)| (*number as u64).wrapping_mul(SHUFFLE)));
-    let new = with_progress(left.len(), |bar| {
+    let new = with_progress("scenes", left.len(), |bar| {
         try_each(&groups, |twins| {
             let number = twins.first().map_or(0, |(number, _)| *number);
             let rows = Finding::judged(twins, effort(number));

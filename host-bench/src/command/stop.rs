@@ -115,7 +115,7 @@ pub(super) fn run(arguments: &StopArguments) -> Result<(), Failure> {
     for row in &rows {
         Options { accuracy, ..*options }.check_scene(&row.scene)?;
     }
-    let found = with_progress(rows.len(), |bar| {
+    let found = with_progress("points", rows.len(), |bar| {
         try_each(&rows, |row| {
             let ran = row.ran(options, *no_accuracy);
             bar.inc(1);

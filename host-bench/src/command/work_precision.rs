@@ -9,6 +9,7 @@ use super::files::{Outputs, make_folder, report_folder};
 use super::{NODE, SHIPPED_SCENES, check_overrides, json_text, more, print, with_progress};
 use crate::method::{Failure, Method, Options, Precision};
 use crate::motion::{self, Series, View, Wanted};
+use crate::name::Name;
 use crate::needs::{REPEATS, Study, cheapest, host_time};
 use crate::outcome::{Format, fields, folded};
 use crate::report::setting::{setting, with_unit};
@@ -110,7 +111,7 @@ fn beside_peers(arguments: &WorkPrecisionArguments, names: &[String]) -> Result<
     for (option, file) in [("--csv", &arguments.csv), ("--picture", &arguments.picture)] {
         file.as_ref().map_or(Ok(()), |file| outputs.check(option, file))?;
     }
-    let comparisons = with_progress(cases.len(), |bar| {
+    let comparisons = with_progress("peers", cases.len(), |bar| {
         let compared = |case| {
             let comparison = peers::compare(case, &|line| bar.suspend(|| print_line(line)));
             one_more(bar);
@@ -166,7 +167,12 @@ pub(super) fn shipped(overrides: &[Override], extent: &Extent) -> Result<Vec<Sce
 
 /// Runs the comparison on each scene, with a progress bar.
 pub(super) fn compare(scenes: &[Scene], extent: &Extent) -> Result<Vec<Comparison>, Failure> {
+    let stage = match scenes {
+        [scene] => Name::of_file(&scene.file).line(),
+        all => format!("{} scenes", all.len()),
+    };
     with_progress(
+        stage,
         scenes.iter().map(|scene| work_precision::work(scene, extent)).sum::<u64>() as usize,
         |bar| {
             scenes

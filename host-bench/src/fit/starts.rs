@@ -1,5 +1,4 @@
-//! Further starts, spread around the first one without chance, with the resonance where the data have theirs; and the displacement at
-//! the start of a ring-down, which is free.
+//! Further starts, spread without chance, with the resonance where the data have theirs; and the free start of a ring-down.
 
 use super::data::{Data, Rows};
 use super::free::{Free, Place};
@@ -113,8 +112,7 @@ pub(crate) fn frequency_of_peak(data: &Data) -> Option<f64> {
     }
 }
 
-/// The radical inverse of a number in the prime with an index: a sequence that fills the unit cube evenly
-/// (J. H. Halton, Numer. Math. 2 (1960) 84).
+/// The radical inverse of a number in the prime with an index: J. H. Halton, Numer. Math. 2 (1960) 84.
 fn halton(number: usize, index: usize) -> f64 {
     const PRIMES: [usize; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53];
     let base = PRIMES[index % PRIMES.len()];

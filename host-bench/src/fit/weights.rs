@@ -3,8 +3,7 @@
 use super::data::Rows;
 use super::model::{Evaluation, Problem};
 
-/// Least standard deviation of a row whose motion has no period, as a part of the value: what the mean over a run of a
-/// chaotic motion scatters.
+/// Least standard deviation of a row whose motion has no period, as a part of the value: the scatter of a chaotic mean.
 pub(super) const WITHOUT_PERIOD: f64 = 0.03;
 /// Difference of the logarithms of the likelihoods from which on the scatter counts as relative.
 const CLEARLY: f64 = 4.0;

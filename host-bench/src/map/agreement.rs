@@ -139,8 +139,7 @@ pub(super) fn judge(
     }
 }
 
-/// The margin beside the boundaries, in levels: the farthest from one at which the regime is not as the boundaries say, at
-/// most [`MARGINS`].
+/// The margin beside the boundaries, in levels: the farthest at which the regime is not as they say, at most [`MARGINS`].
 pub(super) fn margin(measured: &[(OperatingPoint, Truth, [f64; 2])]) -> f64 {
     let farthest = measured
         .iter()

@@ -1,5 +1,4 @@
-//! What a node says of random inputs, by its 16-bit samples, its bank of lines, its map and its own code, against the
-//! trajectory under the same inputs.
+//! What a node says of random inputs, by its samples, bank of lines, map and code, against their trajectories.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;

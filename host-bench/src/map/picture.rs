@@ -1,5 +1,4 @@
-//! The picture of a map: each slice with its values and its boundaries, the output power and the regime of each cell at the pointer,
-//! and the places that check it.
+//! The picture of a map: each slice with values and boundaries, power and regime of each cell at the pointer, and the places that check it.
 
 use model_core::energy::Response;
 use model_core::energy::response_map::Branch;

@@ -122,8 +122,7 @@ impl Series {
         Some(before.1 + part * (after.1 - before.1))
     }
 
-    /// Time, position and velocity within two instants in s. Where the velocity is not recorded it is the difference of the
-    /// positions beside a row.
+    /// Time, position and velocity within two instants in s; a velocity that is not recorded is a difference of positions.
     pub(crate) fn portrait(&self, [from, to]: [f64; 2]) -> Vec<[f64; 3]> {
         let Some(column) = self.position() else { return Vec::new() };
         let positions = self.over_time(column);

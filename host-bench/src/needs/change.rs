@@ -26,8 +26,7 @@ pub(crate) struct Change {
     pub(crate) displacement: Option<f64>,
     /// Impacts or contacts in the window, of the first run.
     pub(crate) impacts: Option<u64>,
-    /// Half the 95 % interval of the changes that decide, the largest of them, from the scatter of the runs; `None` where
-    /// the motion is not chaotic.
+    /// The largest half 95 % interval of the changes that decide, from the scatter of the runs; `None` without chaos.
     pub(crate) sampling_error: Option<f64>,
     /// Number of runs that were compared.
     pub(crate) runs: usize,
@@ -286,8 +285,7 @@ pub(super) fn switches(scene: &Scene) -> bool {
     matches!(scene.load, Load::RectifiedStore(store) if store.draw.lockout().is_some())
 }
 
-/// The scene with as long a window as [`FEWEST_CYCLES`] whole cycles of the switch of its draw need, and a warning where
-/// [`LONGEST`] windows do not have so many.
+/// The scene with a window of [`FEWEST_CYCLES`] whole cycles of its draw, and a warning where [`LONGEST`] windows have fewer.
 pub(super) fn with_cycles(scene: &Scene) -> Result<(Scene, Option<String>), Failure> {
     let mut longer = scene.clone();
     if !switches(scene) {

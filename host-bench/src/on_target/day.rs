@@ -25,8 +25,7 @@ use crate::stability::random::Source;
 /// What shakes the harvester in a minute: amplitudes in mm/s² and frequencies in mHz of two lines.
 pub type Lines = [[u16; 2]; 2];
 
-/// By what factors the true harvester differs from `node.toml`, which the node's map is of. The output power goes with the square
-/// of the charge density.
+/// By what factors the true harvester differs from `node.toml`, of which the map is. Power goes with the charge density squared.
 const CHARGE: f64 = 0.85;
 const DAMPING: f64 = 1.4;
 const RESISTANCE: f64 = 1.3;

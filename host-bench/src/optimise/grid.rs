@@ -51,8 +51,7 @@ pub(super) fn between(points: &[Point], keys: usize, count: usize) -> Between {
     Between { places, steps }
 }
 
-/// The first points of the grid, one for each core, until one succeeds. Refuses bad input at a corner of the grid, and a
-/// quantity that cannot be sought.
+/// The first points of the grid, one for each core, until one succeeds. Refuses bad input at a corner, and quantities that cannot be sought.
 pub(super) fn first(request: &Request<'_>, grid: &[Vec<f64>]) -> Result<Vec<Point>, Failure> {
     let corners = grid.iter().filter(|place| place.iter().all(|part| *part == 0.0 || *part == 1.0));
     for place in corners {

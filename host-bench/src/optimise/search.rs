@@ -47,12 +47,15 @@ const fn most_at_the_end(keys: usize) -> usize {
     FOLLOWED * 2 * keys * (STEPS as usize + HALVINGS) + between_optima + 2 + 2 * keys
 }
 
-/// Finds the best point; calls `ahead` with the most runs that are still to come.
-pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) -> Result<Optimum, Failure> {
+/// Finds the best point; calls `ahead` with each stage of the work and the most runs of it.
+pub(crate) fn optimise(
+    request: &Request<'_>,
+    ahead: &(dyn Fn(&'static str, usize) + Sync),
+) -> Result<Optimum, Failure> {
     let keys = request.ranges.len();
     request.check_names()?;
     let grid = grid(keys, request.grid);
-    ahead(grid.len());
+    ahead("grid", grid.len());
     let mut points = first(request, &grid)?;
     points.extend(each(&grid[points.len()..], |place| request.point(place)));
     let values: Vec<f64> = points.iter().filter_map(Point::value).collect();
@@ -65,7 +68,7 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
         )));
     }
     let between = between(&points, keys, request.grid);
-    ahead(between.places.len());
+    ahead("points between", between.places.len());
     points.extend(each(&between.places, |place| request.point(place)));
     let spacing = 1.0 / (request.grid - 1) as f64;
     let mut ends = Vec::new();
@@ -73,7 +76,7 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
     for &constrained in aims {
         let starts = maxima(&points, constrained, spacing, FOLLOWED);
         let rounds = 1 + if keys > 1 { AGAIN } else { 0 };
-        ahead(starts.len() * rounds * RUNS * keys);
+        ahead("searches, at most", starts.len() * rounds * RUNS * keys);
         let followed =
             |start: &Point| followed(request, &points, start.clone(), (constrained, &between.steps), rounds);
         let (found, ran): (Vec<Point>, Vec<Vec<Point>>) = each(&starts, followed).into_iter().unzip();
@@ -85,7 +88,7 @@ pub(crate) fn optimise(request: &Request<'_>, ahead: &(dyn Fn(usize) + Sync)) ->
     let best = best_of(&points, true, 1).into_iter().find(|point| point.feasible().is_some());
     let Some(best) = best else { return Err(nowhere(request, &points)) };
     let unconstrained = (!request.constraints.is_empty()).then(|| best_of(&points, false, 1)[0].clone());
-    ahead(most_at_the_end(keys));
+    ahead("flat ranges, at most", most_at_the_end(keys));
     let flat_of = |point: &Point| flat(request, point);
     let flat = flat_of(&best);
     let others = others(request, &best, ends, spacing).into_iter();
@@ -152,8 +155,7 @@ fn searched(request: &Request<'_>, between: usize) -> String {
     )
 }
 
-/// The best of the points that no better one is near, within a spacing of the grid in each key; of one key the points that are
-/// better than both beside them.
+/// The best of the points without a better one within a spacing of the grid in each key; of one key, better than both beside them.
 fn maxima(points: &[Point], constrained: bool, spacing: f64, count: usize) -> Vec<Point> {
     let sorted = best_of(points, constrained, usize::MAX);
     let near = |one: &Point, other: &Point| {

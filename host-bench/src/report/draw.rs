@@ -169,8 +169,7 @@ fn marks(paths: &mut String, chart: &Chart, (columns, rows): (Range<i32>, Range<
     // The last pixel of the library's range is part of the axis.
     let (width, height) = (columns.end - columns.start - 1, rows.end - rows.start - 1);
     let ([left, right], [low, high]) = (chart.across.ends(), chart.up.ends());
-    // An inner SVG element clips the curves at the axes. A clip path would need a name, and names clash where one page
-    // holds several pictures.
+    // An inner SVG element clips the curves at the axes: names of clip paths clash in a page of several pictures.
     let frame =
         format!("<svg x=\"{}\" y=\"{}\" width=\"{width}\" height=\"{height}\"", columns.start, rows.start);
     let _ = writeln!(paths, "{frame}>");

@@ -70,8 +70,7 @@ fn power(text: &str) -> String {
     }
 }
 
-/// A number at a tick among all of its axis, which are in one notation: powers of ten where all are, or the largest is below a
-/// hundredth or has six digits.
+/// A number at a tick, in one notation for its axis: powers of ten where all are, or the largest is below 0.01 or has six digits.
 pub(crate) fn tick_label(value: f64, all: impl Iterator<Item = f64> + Clone, is_logarithmic: bool) -> String {
     let largest = all.clone().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let is_power = |value: f64| (value.log10() - value.log10().round()).abs() < 1e-9;
@@ -100,8 +99,7 @@ pub(crate) fn linear_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     numbers.map(|number| number as f64 * step).collect()
 }
 
-/// Exponents of the ticks of a logarithmic axis from `low` to `high`, both exponents of ten: whole decades, or 1, 2 and 5
-/// in each where there are few.
+/// Exponents of the ticks of a logarithmic axis from exponent `low` to `high`: whole decades, or 1, 2 and 5 in each of few.
 pub(crate) fn logarithmic_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     let (low, high) = (low.min(high) - 1e-9, low.max(high) + 1e-9);
     let within = |exponent: &f64| (low..=high).contains(exponent);

@@ -1,5 +1,4 @@
-//! Hours of each strategy as a picture: income estimated and true, stored energy, actions, the cost of estimation; and the quarters of
-//! years.
+//! Hours of each strategy as a picture: income, stored energy, actions, the cost of estimation; and the quarters of years.
 
 use harvester_scene::market::Processor;
 use plotters::style::RGBColor;

@@ -250,8 +250,7 @@ impl<'a> World<'a> {
         self.wake(strategy, code)
     }
 
-    /// Wakes the node, after a lock-out when the storage has reached its turn-on voltage. What a reading or a burst takes leaves the
-    /// storage.
+    /// Wakes the node, after a lock-out at its turn-on voltage. What a reading or a burst takes leaves the storage.
     pub fn wake(&mut self, strategy: &mut impl Strategy, code: Option<u32>) -> Wake {
         let before = strategy.spent();
         let was_off = !self.is_on;

@@ -32,8 +32,7 @@ pub enum Class {
     /// It is not, but the more accurate run diverges from one with a start displaced or a base acceleration changed by
     /// 10⁻⁹, and the statistics of all these runs agree.
     Chaotic,
-    /// As chaotic, but the standard error of the statistics is more than a fifth of their mean: they can be stated
-    /// neither to agree nor to differ.
+    /// As chaotic, but the standard error is more than a fifth of the mean: no agreement can be stated.
     Undecided,
     /// It is not, and a warning that begins with `accuracy:` says so.
     Warned,

@@ -25,8 +25,7 @@ const COUNTED: [f64; 7] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
 /// Run time in s above which a row is counted only if its cost is compared.
 const LONGEST_COUNTED: f64 = 0.02;
 
-/// Runs in a row that are given up for their length, after which tighter settings are not tried. One alone may be a loose
-/// setting that is unstable.
+/// Runs in a row that are given up for their length, after which tighter settings are not tried: one alone may be unstable.
 const MOST_GIVEN_UP: u32 = 3;
 
 /// Most runs that are timed, and seconds after which a row is not run again.
@@ -164,8 +163,7 @@ pub(crate) fn compare(case: Case, progress: &dyn Fn(&str)) -> Result<Comparison,
     Ok(Comparison { case, mean_power_w, methods: rows, by_count })
 }
 
-/// Runs a method from loose to tight, until two settings in a row meet the smallest error, or [`MOST_GIVEN_UP`] runs in a
-/// row are given up for their length.
+/// Runs a method from loose to tight, until two in a row meet the smallest error, or [`MOST_GIVEN_UP`] are given up.
 fn ladder(scene: &Scene, method: Method, reference: f64, blank: &dyn Fn(f64) -> Row) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::new();
     let mut given_up = 0;

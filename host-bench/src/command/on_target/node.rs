@@ -202,8 +202,7 @@ With the log, the simulated memory and the plant: flash {}, static RAM {}, stack
     )
 }
 
-/// Income in W by which the share of the node by the voltage is stated, and its readings in an hour: each five minutes, and one at
-/// the end of an hour.
+/// Income in W by which the share of the node by the voltage is stated, and its readings in an hour, the one at its end included.
 const INCOME: f64 = 2.9e-6;
 const READINGS: f64 = 12.0;
 

@@ -17,8 +17,7 @@ pub(in crate::command) fn warnings(points: &[Point]) -> impl Iterator<Item = Str
     others.into_iter().chain(KINDS.map(first)).flatten()
 }
 
-/// Beginnings of the warnings of which the first is printed: of no stable orbit, of the accuracy of the numbers, of other steady
-/// motions, and of the limits of the model.
+/// Beginnings of the warnings of which the first is printed: no stable orbit, accuracy, other motions, limits of the model.
 const KINDS: [&str; 5] = ["steady state:", "accuracy:", "attractors:", LIMIT, MODEL];
 
 /// The warning of the point whose force law created the largest share of the delivered energy, with the number of the points that warn.

@@ -124,7 +124,8 @@ impl Points<'_> {
         if let Some(done) = rows.as_ref().map(Rows::count).filter(|done| *done > 0) {
             note(&format!("{done} of {} points were done before", own.len()));
         }
-        let points = with_progress(own.len(), |bar| {
+        let stage = format!("{} {}", self.command, self.keys.first().map_or("", |(_, key)| key));
+        let points = with_progress(stage, own.len(), |bar| {
             try_each(&own, |&index| {
                 let point = self.point(&options, index, rows.as_ref());
                 one_more(bar);

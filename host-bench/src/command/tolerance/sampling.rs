@@ -132,8 +132,7 @@ impl Sampling {
         self.keys.iter().map(|key| key.parts.len()).find(|parts| *parts > 0)
     }
 
-    /// The values of the keys: number 0 is the scene, the others are the samples, each of its number and the seed alone. They
-    /// take the parts in turn.
+    /// The values of the keys: number 0 is the scene, the others are samples by number and seed alone, of the parts in turn.
     pub(super) fn values(&self, number: usize) -> Vec<f64> {
         let Some(index) = number.checked_sub(1) else {
             return self.keys.iter().map(|key| key.nominal).collect();

@@ -100,8 +100,7 @@ impl Motion {
     }
 }
 
-/// Rows from one point of a curve to the next: 20 µs are a third of a pixel. Curves of the force take every row, because a
-/// contact may be shorter.
+/// Rows from one point of a curve to the next: 20 µs are a third of a pixel. Curves of the force take every row: contacts are short.
 const THIN: usize = 20;
 const WIDE: (u32, u32) = (1130, 360);
 const THREE_HIGH: (u32, u32) = (1130, 900);

@@ -1,5 +1,4 @@
-//! One run of a figure, the shipped scene at another charge density, load and frequency; and figure 9, the gap over time on both sides
-//! of where impacts begin and end.
+//! One run of a figure, the shipped scene with other values; and figure 9, the gap over time where impacts begin and end.
 
 use plotters::style::RGBColor;
 
