@@ -41,7 +41,7 @@ use crate::method::{Failure, Options};
 use crate::name::Name;
 use crate::outcome::{Format, folded};
 pub(crate) use crate::report::file::{set_width_mm, width_mm};
-use crate::scene_file::{Override, Scene, contains, finite_number_of, replaces};
+use crate::scene_file::{Override, Scene, contains, finite_number_in, replaces};
 use harvester_scene::progress;
 
 /// Arguments that `run`, `sweep` and `resonance` have in common.
@@ -157,8 +157,7 @@ pub(crate) fn fail_after_result(reason: String) -> Result<(), Failure> {
     if is_called() { Ok(()) } else { Err(Failure::Step(reason)) }
 }
 
-/// Prints the result on standard output, on standard error where a file of the command is standard output, without control characters other than line breaks and tabs.
-/// A reader that closed its end is no error.
+/// Prints the result on standard output, or standard error where a file is that, without control characters but line breaks and tabs.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let text = text.replace(|letter: char| letter.is_control() && !['\n', '\t'].contains(&letter), "");
     let called = PRINTED.with_borrow_mut(|printed| printed.as_mut().map(|printed| printed.push_str(&text)));
@@ -199,13 +198,13 @@ pub(crate) fn progress(stage: impl Into<Cow<'static, str>>, count: usize) -> Pro
         Err(_) => bar,
     }
 }
+
 /// Ends a stage of the work, and begins the next one, of `count` cases.
 pub(crate) fn next_stage(bar: &ProgressBar, stage: &'static str, count: usize) {
     bar.reset();
     bar.set_message(stage);
     bar.set_length(count as u64);
 }
-
 
 /// The result of work with a progress bar over `count` cases, which is gone after it.
 pub(crate) fn with_progress<T>(
@@ -224,8 +223,7 @@ pub(crate) fn one_more(bar: &ProgressBar) {
     more(bar, 1);
 }
 
-/// Counts more work on the bar. Where standard error is no terminal and the bar is hidden, prints a line for each tenth of it, after
-/// the first seconds.
+/// Counts more work on the bar. Where the bar is hidden, prints a line for each tenth of it, after the first seconds.
 pub(crate) fn more(bar: &ProgressBar, work: u64) {
     bar.inc(work);
     // A search may take more cases than were foreseen.
@@ -263,8 +261,7 @@ const REPLACED: [Unused; 5] = [
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 struct StorageVoltage {
     /// Hold the voltage of the storage or bus behind the bridge at this value in V
-    #[arg(long, value_name = "V", allow_hyphen_values = true,
-        value_parser = |text: &str| finite_number_of("load.voltage_v", "V", text))]
+    #[arg(long, value_name = "V", allow_hyphen_values = true, value_parser = finite_number_in("V", "V"))]
     storage_voltage: Option<f64>,
 }
 

@@ -1,5 +1,4 @@
-//! The values of a few keys at which a number of the result is largest or smallest: a coarse grid, then a search without
-//! derivatives from its best points.
+//! The values of a few keys at which a number of the result is largest or smallest: a grid, then a search without derivatives.
 
 mod grid;
 mod picture;
@@ -17,9 +16,10 @@ pub(crate) use self::search::{most_runs, optimise};
 use crate::budget::day_numbers;
 use crate::method::{Failure, Options};
 use crate::outcome::{Branch, Fields, Outcome, fields, flattened, number};
+use crate::report::setting::number_and_unit;
 use crate::resolution::resonances;
 use crate::run::run_scene;
-use crate::scene_file::{self, Override, Scene, finite_number_of, nearest};
+use crate::scene_file::{self, Override, Scene, finite_number_in, finite_number_of, nearest};
 
 /// A key and the range in which its best value is sought: `KEY=LOW:HIGH` or `KEY=LOW:HIGH:log`.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,14 +106,9 @@ impl FromStr for Constraint {
             (None, Some(parts)) => (true, parts),
             _ => return Err(FORM.to_owned()),
         };
-        let (quantity, bound) = (parts.0.trim().to_owned(), parts.1.trim());
-        match bound.parse::<f64>() {
-            Ok(value) if value.is_finite() && !quantity.is_empty() => {
-                Ok(Self { quantity, is_least, bound: value })
-            }
-            Ok(_) => Err(FORM.to_owned()),
-            Err(_) => Err(format!("VALUE = {bound:?} must be a number")),
-        }
+        let quantity = parts.0.trim().to_owned();
+        let bound = finite_number_in(number_and_unit(&quantity).1, "VALUE")(parts.1.trim())?;
+        if quantity.is_empty() { Err(FORM.to_owned()) } else { Ok(Self { quantity, is_least, bound }) }
     }
 }
 

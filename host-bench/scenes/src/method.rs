@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use serde::Serialize;
 
-use crate::scene_file::{Load, Model, Scene, SceneError};
+use crate::scene_file::{Load, Model, Scene, SceneError, finite_number_in};
 
 /// Integration method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, Serialize)]
@@ -73,18 +73,21 @@ pub struct Options {
     pub math: Option<Math>,
     /// Fixed step in seconds; of a bump-stop scene near contact, throughout without --long-step [default: by --tolerance;
     /// 1e-6 near contact of a bump-stop scene; rk4: what is stable]
-    #[arg(long = "step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
+    #[arg(long = "step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true,
+        value_parser = finite_number_in("s", "S"))]
     pub step_s: Option<f64>,
     /// Step in seconds of a bump-stop scene in free flight, at least that near contact [default: --step, 2e-5 without]
-    #[arg(long = "long-step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true)]
+    #[arg(long = "long-step", value_name = "S", conflicts_with = "tolerance", allow_hyphen_values = true,
+        value_parser = finite_number_in("s", "S"))]
     pub long_step_s: Option<f64>,
     /// Relative error of the mean power to aim at, by exponential Radau, and by run in a bump-stop scene; tolerance or steps
     /// follow [default: 1e-6; 3e-6 of a slider in f32; 1e-3 in a bump-stop scene]
-    #[arg(long, value_name = "REL", conflicts_with_all = ["step_s", "tolerance"], allow_hyphen_values = true)]
+    #[arg(long, value_name = "REL", conflicts_with_all = ["step_s", "tolerance"], allow_hyphen_values = true,
+        value_parser = finite_number_in("", "REL"))]
     pub accuracy: Option<f64>,
     /// Relative tolerance of the adaptive step of a triboelectric scene [default: by --accuracy; 1e-5 with tr-bdf2, 1e-12
     /// with the reference]
-    #[arg(long, value_name = "REL", allow_hyphen_values = true)]
+    #[arg(long, value_name = "REL", allow_hyphen_values = true, value_parser = finite_number_in("", "REL"))]
     pub tolerance: Option<f64>,
     /// Distance in s of the rows of the recorded motion.
     #[arg(skip)]
@@ -181,14 +184,8 @@ impl Options {
                 reference && math.is_some(),
                 "--math: must not be given for the reference, which uses that of the host",
             ),
-            (
-                reference && self.step_s.is_some(),
-                "--step: must not be given for the reference, which adapts its step",
-            ),
-            (
-                reference && self.long_step_s.is_some(),
-                "--long-step: must not be given for the reference, which adapts its step",
-            ),
+            (reference && self.step_s.is_some(), "--step: must not be given for the reference"),
+            (reference && self.long_step_s.is_some(), "--long-step: must not be given for the reference"),
             (
                 reference && self.accuracy.is_some(),
                 "--accuracy: must not be given for the reference; give --tolerance",

@@ -83,7 +83,7 @@ impl Rainflow {
 
     /// The range in the unit of the values whose cycles, one per second over `seconds`, do the same damage by Miner's rule
     /// with an S–N curve of this exponent `m`: `(Σ n Δᵐ / seconds)^(1/m)`. Exact to half a class.
-    pub fn equivalent_range(&self, exponent: f64, seconds: f64) -> f64 {
+    pub(crate) fn equivalent_range(&self, exponent: f64, seconds: f64) -> f64 {
         let ended = self.ended();
         // Relative to the largest range, whose power may overflow.
         let damage = ended.half_cycles.iter().map(|(class, half_cycles)| {

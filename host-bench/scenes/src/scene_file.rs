@@ -31,7 +31,7 @@ pub use self::fit::Fit;
 use self::key::{Key, Kind, Table, Value, other};
 pub(crate) use self::limits::of_name as limit_of_name;
 pub use self::limits::{breakdown_voltage_v, fringing};
-pub use self::overrides::{Override, contains, finite_number_of, replaces};
+pub use self::overrides::{Override, contains, finite_number_in, finite_number_of, replaces};
 pub use self::scene::*;
 use self::section::{Reader, Section};
 pub use self::template::{TEMPLATES, template};

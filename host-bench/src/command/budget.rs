@@ -10,7 +10,7 @@ use crate::budget::{income, picture, simulate};
 use crate::method::{Failure, Precision};
 use crate::outcome::Format;
 use crate::report::Picture;
-use crate::scene_file::{self, Load};
+use crate::scene_file::{self, Load, finite_number_in};
 
 /// The picture, and the page with it.
 const REPORT: [&str; 2] = ["budget.svg", "budget.html"];
@@ -33,7 +33,7 @@ pub struct BudgetArguments {
     #[arg(long, value_enum, default_value = "f32")]
     precision: Precision,
     /// Relative tolerance of the adaptive step [default: 0.05]
-    #[arg(long, value_name = "REL", allow_hyphen_values = true)]
+    #[arg(long, value_name = "REL", allow_hyphen_values = true, value_parser = finite_number_in("", "REL"))]
     tolerance: Option<f64>,
     /// Output format
     #[arg(long, value_enum, default_value_t)]

@@ -11,7 +11,7 @@ use crate::fit::{self, FitResult, Request, free::Asked};
 use crate::input::STANDARD;
 use crate::method::Failure;
 use crate::name::Name;
-use crate::scene_file::{self, Fit, finite_number_of};
+use crate::scene_file::{self, Fit, finite_number_in};
 
 /// Starts that are looked at where the first one does not end well.
 const STARTS: usize = 24;
@@ -32,8 +32,7 @@ pub struct FitArguments {
     #[arg(long = "data", value_name = "FILE.csv")]
     data: Vec<PathBuf>,
     /// Rate in Hz of even times to which the traces of --data are resampled, as by excitation.resample_hz
-    #[arg(long = "resample", value_name = "HZ",
-        value_parser = |text: &str| finite_number_of("excitation.resample_hz", "HZ", text))]
+    #[arg(long = "resample", value_name = "HZ", value_parser = finite_number_in("Hz", "HZ"))]
     resample_hz: Option<f64>,
     /// A key of the scene to fit, with the bounds of its value; may be repeated
     #[arg(long = "free", value_name = "KEY[=LOW:HIGH]", allow_hyphen_values = true)]

@@ -11,11 +11,12 @@ use super::{
     NODE, SceneArguments, Unused, check_overrides, count, one_more, print, set_option, with_progress,
 };
 use crate::accuracy::print_warnings;
+use crate::input::STANDARD;
 use crate::map::{self, Agreement, Detected, Map, Prediction, Request, Step};
 use crate::method::Failure;
 use crate::name::Name;
 use crate::outcome::{self, Fields, text};
-use crate::scene_file::{self, finite_number_of};
+use crate::scene_file::{self, finite_number_in};
 
 /// What a map should keep: the 90th percentile of the relative error at most, and at least the share of the places at which the bounds
 /// hold, and that of the places far from a boundary at which its motions are those of the model. That of the median is `--error`.
@@ -32,11 +33,11 @@ const UNUSED: [Unused; 3] = [
 pub(super) struct Range(pub(super) [f64; 2]);
 
 impl Range {
-    /// Reads `LO:HI` with the units of a key.
-    pub(super) fn of(key: &'static str) -> impl Fn(&str) -> Result<Self, String> + Clone {
+    /// Reads `LO:HI` in a unit.
+    pub(super) fn of(unit: &'static str) -> impl Fn(&str) -> Result<Self, String> + Clone {
         move |text| {
             let (low, high) = text.split_once(':').ok_or_else(|| format!("{text}: must be LO:HI"))?;
-            let range = [finite_number_of(key, "LO", low)?, finite_number_of(key, "HI", high)?];
+            let range = [finite_number_in(unit, "LO")(low)?, finite_number_in(unit, "HI")(high)?];
             let is_range = range[0] > 0.0 && range[0] < range[1];
             let wrong = || format!("{text}: must be two numbers above 0, the lower one first");
             is_range.then_some(Self(range)).ok_or_else(wrong)
@@ -50,16 +51,16 @@ pub struct MapArguments {
     #[command(flatten)]
     scene: SceneArguments,
     /// Lowest and highest amplitude in m/s²
-    #[arg(long, value_name = "LO:HI", value_parser = Range::of("excitation.amplitude_m_per_s2"))]
+    #[arg(long, value_name = "LO:HI", value_parser = Range::of("m/s²"))]
     amplitude: Range,
     /// Lowest and highest frequency in Hz
-    #[arg(long, value_name = "LO:HI", value_parser = Range::of("excitation.frequency_hz"))]
+    #[arg(long, value_name = "LO:HI", value_parser = Range::of("Hz"))]
     frequency: Range,
     /// Voltage of the storage behind a bridge in V; several, rising, for a slice each
-    #[arg(long, value_name = "V,…", value_delimiter = ',')]
+    #[arg(long, value_name = "V,…", value_delimiter = ',', value_parser = finite_number_in("V", "V"))]
     voltage: Vec<f64>,
     /// Median of the relative error above which a warning says so
-    #[arg(long, value_name = "REL", default_value_t = 0.02)]
+    #[arg(long, value_name = "REL", default_value_t = 0.02, value_parser = finite_number_in("", "REL"))]
     error: f64,
     /// Random places of each slice, off the nodes, by which the bounds are measured, and as many others that check them
     #[arg(long, value_name = "COUNT", default_value_t = 300, value_parser = count::<usize>(30..=10_000))]
@@ -70,7 +71,7 @@ pub struct MapArguments {
     /// Random inputs (a line, two lines, noise) of which the bank of lines and the map are asked, against trajectories
     #[arg(long, value_name = "COUNT", default_value_t = 0, value_parser = count::<usize>(0..=100_000))]
     inputs: usize,
-    /// Write the map into this file: .rs constants for firmware, .bin bytes; and a picture beside it
+    /// Write the map into this file: .rs (or -) constants for firmware, .bin bytes; and a picture beside it
     #[arg(long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write a picture of the first slice (.svg), or a page of all slices with zoom and the output power at the pointer (.html)
@@ -97,7 +98,7 @@ pub(super) fn run(arguments: &MapArguments) -> Result<(), Failure> {
     for file in files.iter().flatten() {
         outputs.check("--output", file)?;
     }
-    if let Some([_, own]) = files.as_ref().filter(|files| arguments.picture.as_ref() == Some(&files[1])) {
+    if let Some([_, own]) = files.as_deref().filter(|files| arguments.picture.as_ref() == files.get(1)) {
         let reason = "--output writes this picture: leave --picture out";
         return Err(Failure::Input(format!("--picture {}: {reason}", own.display())));
     }
@@ -106,13 +107,12 @@ pub(super) fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let found = with_progress("map", 0, |bar| map::map(&scene, &request, options, &counted_on(bar)))?;
     let name = Name::of_file(&arguments.scene.scene).line();
     let drawn = || map::picture(&found, &name);
-    if let Some([map_file, picture]) = &files {
-        if map_file.extension() == Some(OsStr::new("rs")) {
-            outputs.keep(map_file, map::module(&found, &name, &command(arguments)));
-        } else {
-            outputs.keep(map_file, map::bytes(&found));
+    if let Some([map_file, pictures @ ..]) = files.as_deref() {
+        match map_file.extension() == Some(OsStr::new("bin")) {
+            true => outputs.keep(map_file, map::bytes(&found)),
+            false => outputs.keep(map_file, map::module(&found, &name, &command(arguments))),
         }
-        outputs.keep(picture, drawn()?.svg()?);
+        pictures.iter().try_for_each(|picture| drawn()?.svg().map(|svg| outputs.keep(picture, svg)))?;
     }
     if let Some(file) = &arguments.picture {
         outputs.keep(file, drawn()?.of_file(file)?);
@@ -233,10 +233,11 @@ fn request(arguments: &MapArguments) -> Result<Request, Failure> {
     }
 }
 
-/// The file of the map and that of its picture.
-fn files(map: &Path) -> Result<[PathBuf; 2], Failure> {
+/// The file of the map and that of its picture, which standard output has not.
+fn files(map: &Path) -> Result<Vec<PathBuf>, Failure> {
     match map.extension().and_then(OsStr::to_str) {
-        Some("rs" | "bin") => Ok([map.to_owned(), map.with_extension("svg")]),
+        Some("rs" | "bin") => Ok(vec![map.to_owned(), map.with_extension("svg")]),
+        _ if map == Path::new(STANDARD) => Ok(vec![map.to_owned()]),
         _ => Err(Failure::Input(format!("--output {}: must end in .rs or .bin", map.display()))),
     }
 }

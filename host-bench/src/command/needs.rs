@@ -24,20 +24,20 @@ use crate::on_target::{self, Bench, Measurement, build};
 use crate::outcome::{Fields, Format, SwitchCycles, fields, folded, name, rows_csv, small, table};
 use crate::rows::{Digits, Rows};
 use crate::run::run_scene;
-use crate::scene_file::{self, Excitation, Override, Scene};
+use crate::scene_file::{self, Excitation, Override, Scene, finite_number_in};
 
 #[derive(Debug, Clone, clap::Args)]
 pub struct NeedsArguments {
     #[command(flatten)]
     scene: FileArguments,
     /// Relative change of mean power, RMS voltage and storage voltage that is accepted
-    #[arg(long, value_name = "REL", default_value_t = 1e-2, allow_hyphen_values = true)]
+    #[arg(long, value_name = "REL", default_value_t = 1e-2, allow_hyphen_values = true, value_parser = finite_number_in("", "REL"))]
     accuracy: f64,
     /// Lowest and highest amplitude in m/s² of one sine, at which the accuracy must hold too
-    #[arg(long, value_name = "LO:HI", value_parser = Range::of("excitation.amplitude_m_per_s2"))]
+    #[arg(long, value_name = "LO:HI", value_parser = Range::of("m/s²"))]
     amplitude: Option<Range>,
     /// Lowest and highest frequency in Hz of one sine, at which the accuracy must hold too
-    #[arg(long, value_name = "LO:HI", value_parser = Range::of("excitation.frequency_hz"))]
+    #[arg(long, value_name = "LO:HI", value_parser = Range::of("Hz"))]
     frequency: Option<Range>,
     /// Output format
     #[arg(long, value_enum, default_value_t)]

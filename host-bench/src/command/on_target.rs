@@ -21,6 +21,7 @@ use crate::on_target::qemu::{self, Core};
 use crate::on_target::{Bench, Error, build, day, native};
 use crate::outcome;
 use crate::run::each;
+use crate::scene_file::finite_number_in;
 use rows::{Case, Column, RADAU, Row, Steps};
 
 /// Build the firmware for each core, run it under QEMU, check its bits against the host, and report instructions, flash, RAM and stack.
@@ -31,7 +32,8 @@ pub struct OnTargetArguments {
     core: Vec<Core>,
 
     /// How long a run may take, in seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = count::<u64>(1..=86_400))]
+    #[arg(long, value_name = "SECONDS", default_value_t = 120, 
+        value_parser = |text: &str| count::<u64>(1..=86_400)(&finite_number_in("s", "SECONDS")(text)?.to_string()))]
     time_limit: u64,
 
     /// Output format

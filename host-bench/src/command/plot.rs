@@ -11,7 +11,7 @@ use crate::outcome::{Fields, Format, text};
 use crate::report::Picture;
 use crate::report::setting::{distinct_labels, margin, named, setting, words_and_unit};
 use crate::run::run_scene;
-use crate::scene_file::{self, Override, Scene};
+use crate::scene_file::{self, Override, Scene, finite_number_in};
 
 /// The picture in the folder of reports.
 const PLOT: &str = "plot.svg";
@@ -58,13 +58,13 @@ pub struct PlotArguments {
     #[arg(long, value_delimiter = ',', value_name = "COLUMN")]
     quantity: Vec<String>,
     /// First instant in s of time histories and phase portrait [default: six periods before the end]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = finite_number_in("s", "S"))]
     from: Option<f64>,
     /// Their last instant in s [default: the end of the run]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = finite_number_in("s", "S"))]
     to: Option<f64>,
     /// Highest frequency in Hz of the spectrum [default: where nothing follows, at most 20 times that of the excitation]
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = finite_number_in("Hz", "HZ"))]
     highest: Option<f64>,
     /// Logarithmic axes of the spectrum, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "AXIS", default_value = "y")]

@@ -11,7 +11,7 @@ use crate::closed_form::undamped_frequencies;
 use crate::embedded::{Search, best_resistance, search, search as peaks};
 use crate::method::{Failure, Options};
 use crate::outcome::{Fields, fields, text};
-use crate::scene_file::{self, Excitation, Load, Scene, finite_number_of};
+use crate::scene_file::{self, Excitation, Load, Scene, finite_number_in};
 use crate::steady_state::{BestLoad, DEFAULT_POINTS, Peak, Resonance};
 
 /// Keys that the search does not use.
@@ -24,19 +24,15 @@ const UNUSED: [Unused; 3] = [
 const NARROWING: usize = 36;
 const RESISTANCES: usize = 27;
 
-fn hertz(text: &str) -> Result<f64, String> {
-    finite_number_of("excitation.frequency_hz", "HZ", text)
-}
-
 #[derive(Debug, Clone, clap::Args)]
 pub struct ResonanceArguments {
     #[command(flatten)]
     scene: SceneArguments,
     /// Lowest frequency in Hz
-    #[arg(long, value_name = "HZ", allow_hyphen_values = true, value_parser = hertz)]
+    #[arg(long, value_name = "HZ", allow_hyphen_values = true, value_parser = finite_number_in("Hz", "HZ"))]
     from: f64,
     /// Highest frequency in Hz
-    #[arg(long, value_name = "HZ", allow_hyphen_values = true, value_parser = hertz)]
+    #[arg(long, value_name = "HZ", allow_hyphen_values = true, value_parser = finite_number_in("Hz", "HZ"))]
     to: f64,
     /// Frequencies of the scan from which the peaks are narrowed down
     #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_POINTS, value_parser = count::<usize>(3..=100_000))]

@@ -19,7 +19,7 @@ use crate::report::Picture;
 use crate::report::setting::{margin, named, setting};
 use crate::resolution::remarks;
 use crate::run::run_scene;
-use crate::scene_file::{self, Scene, finite_number_of};
+use crate::scene_file::{self, Scene, finite_number_in};
 use crate::seeds::{self, Statistics};
 
 #[derive(Debug, Clone, clap::Args)]
@@ -31,7 +31,7 @@ pub struct RunArguments {
     trace: Option<PathBuf>,
     /// Seconds between the rows of the trace
     #[arg(long, value_name = "S", requires = "trace", allow_hyphen_values = true,
-        value_parser = |text: &str| finite_number_of("run.duration_s", "S", text))]
+        value_parser = finite_number_in("s", "S"))]
     trace_every: Option<f64>,
     /// Write a picture of the run to this file, .svg or .html (.pdf or .png in a build with images): time histories, phase portrait, spectrum, energy flow; plot has choices
     #[arg(long, value_name = "FILE", conflicts_with_all = ["seeds", "steady_state"])]

@@ -23,6 +23,7 @@ use crate::report::setting::{distinct_labels, label, number_and_unit, scaled, wo
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, range};
 use crate::report::{Picture, terminal};
 use crate::rows::{Digits, Rows};
+use crate::scene_file::finite_number_in;
 use crate::seeds::SampleStatistics;
 
 /// Samples where none are asked for and there are no parts.
@@ -57,7 +58,7 @@ pub struct ToleranceArguments {
     quantity: String,
     /// Print the share of the samples that have at least this value, the yield
     #[arg(long, value_name = "VALUE", allow_hyphen_values = true)]
-    at_least: Option<f64>,
+    at_least: Option<String>,
 }
 
 /// Runs the samples, writes the files and prints the statistics. Fails after that if a sample could not be run.
@@ -96,11 +97,11 @@ fn with_samples<T>(
     arguments: &ToleranceArguments,
     make: impl FnOnce(&Points<'_>, Done, &Found<'_>, Picture) -> Result<T, Failure>,
 ) -> Result<Option<T>, Failure> {
-    let ToleranceArguments { points: shared, varied, parts, correlations, samples, seed, quantity, .. } =
+    let ToleranceArguments { points: shared, varied, parts, correlations, samples, seed, quantity, at_least } =
         arguments;
-    if arguments.at_least.is_some_and(|least| !least.is_finite()) {
-        return Err(Failure::Input("--at-least: must be a finite number".to_owned()));
-    }
+    let at_least =
+        at_least.as_deref().map(finite_number_in(number_and_unit(quantity).1, "--at-least")).transpose();
+    let at_least = at_least.map_err(Failure::Input)?;
     let sampling = Sampling::new(&shared.scene, (varied, parts.as_deref()), correlations, *seed)?;
     let samples = samples.or(sampling.parts()).unwrap_or(SAMPLES);
     if let Some(parts) = sampling.parts().filter(|parts| varied.is_empty() && samples > *parts) {
@@ -122,7 +123,7 @@ fn with_samples<T>(
         check_quantity("--quantity", quantity, &points.numbers(0)?)?;
     }
     let Some(done) = points.run(parts.as_slice())? else { return Ok(None) };
-    let found = Found::new(arguments, &sampling, &done.points);
+    let found = Found::new(arguments, at_least, &sampling, &done.points);
     print_warnings(&found.fields);
     let keys: Vec<&str> = sampling.keys.iter().map(|one| one.key.as_str()).collect();
     let title = points.title(&done.points, &keys)?;
@@ -132,6 +133,7 @@ fn with_samples<T>(
 
 struct Found<'a> {
     arguments: &'a ToleranceArguments,
+    at_least: Option<f64>,
     /// The quantity of the scene, and of the samples that have it, in their order and sorted.
     nominal: Option<f64>,
     values: Vec<f64>,
@@ -143,8 +145,13 @@ struct Found<'a> {
 }
 
 impl<'a> Found<'a> {
-    fn new(arguments: &'a ToleranceArguments, sampling: &'a Sampling, points: &[Point]) -> Self {
-        let ToleranceArguments { quantity, seed, at_least, .. } = arguments;
+    fn new(
+        arguments: &'a ToleranceArguments,
+        at_least: Option<f64>,
+        sampling: &'a Sampling,
+        points: &[Point],
+    ) -> Self {
+        let ToleranceArguments { quantity, seed, .. } = arguments;
         let number = |point: &Point| {
             let found = flattened(point.found.as_ref().ok()?.clone());
             found.get(quantity)?.as_f64().filter(|value| value.is_finite())
@@ -175,14 +182,22 @@ impl<'a> Found<'a> {
             "seed": seed,
             "samples": values.len(),
             "at_least": at_least,
-            "statistics": statistics(nominal, &values, &sorted, *at_least),
+            "statistics": statistics(nominal, &values, &sorted, at_least),
             "keys": keys.iter().map(row).collect::<Vec<_>>(),
             "linear_r_squared": r_squared,
             "quadratic_r_squared": quadratic,
             "accuracy": stated.max_by(|one, other| size(one).total_cmp(&size(other))),
             "warnings": warnings(points).chain(remarks).collect::<Vec<_>>(),
         }));
-        Self { arguments, nominal, values, sorted, keys: keys.into_iter().map(|key| key.0).collect(), fields }
+        Self {
+            arguments,
+            at_least,
+            nominal,
+            values,
+            sorted,
+            keys: keys.into_iter().map(|key| key.0).collect(),
+            fields,
+        }
     }
 
     fn note(&self) -> String {
@@ -229,8 +244,7 @@ impl<'a> Found<'a> {
         });
         curves.extend(Curve::distinct(&[GREEN, BLACK], (Mark::point, 9.0), percentiles));
         curves.extend(nominal.map(|value| upright("nominal", VERMILION, Mark::line(0, 1.2), value)));
-        let wished = self.arguments.at_least;
-        curves.extend(wished.map(|value| upright("wished", BLACK, Mark::line(1, 1.2), value)));
+        curves.extend(self.at_least.map(|value| upright("wished", BLACK, Mark::line(1, 1.2), value)));
         let across = |title: &str, curves: &[Curve]| {
             let all = curves.iter().flat_map(|curve| &curve.points).map(|point| point.0);
             Axis::linear(title, range(all).into(), 6)

@@ -145,7 +145,7 @@ pub(crate) fn label(key: &str) -> String {
 
 /// A number of a result such as `mean_power_w`, or a column of a recording, in words, and its unit; empty where it has none.
 pub(crate) fn number_and_unit(name: &str) -> (String, &'static str) {
-    let units = ["m/s²", "m/s", "1/m", "Hz", "Pa", "W", "V", "J", "A", "N", "C", "Ω", "m", "s"];
+    let units = ["m/s²", "m/s", "1/m", "Hz", "Pa", "W", "V", "J", "A", "N", "C", "F", "Ω", "m", "s"];
     let mut found = units.iter().filter_map(|unit| {
         let end = format!("_{}", written(unit));
         Some((name.strip_suffix(end.replace("_1_per", "_per").as_str())?, *unit))

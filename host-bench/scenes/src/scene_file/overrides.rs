@@ -189,70 +189,64 @@ fn inner<'a>(content: &'a mut Content, key: &str, origin: Origin) -> Option<&'a 
     }
 }
 
-/// Prefixes of units and their powers of ten.
-const PREFIXES: [(&str, i32); 12] = [
-    ("", 0),
-    ("f", -15),
-    ("p", -12),
-    ("n", -9),
-    ("u", -6),
-    ("µ", -6),
-    ("μ", -6),
-    ("m", -3),
-    ("k", 3),
-    ("M", 6),
-    ("G", 9),
-    ("T", 12),
-];
+/// Prefixes of units, each a thousand times the one before it; the blank is none.
+const PREFIXES: &str = "fpnum kMGT";
 
-/// The prefixes of a square metre and their powers of ten.
-const SQUARES: [(&str, i32); 3] = [("", 0), ("c", -4), ("m", -6)];
-
-/// A number for a key on a command line: plain, or with a prefix of a unit, with the unit of the key, or with both, such as
-/// `10M`, `33kΩ`, `20us` or, for an acceleration or a mass, `0.2g`. A letter that is a prefix is one: `5m` of a length is 5 mm.
-/// An error is what to say of the unit of the text, nothing where it does not begin with a number or the key takes none.
+/// A number for a key on a command line. An error is what to say of the unit of the text, nothing where it does not begin with a number
+/// or the key takes none.
 pub(super) fn number_of(key: &str, text: &str) -> Result<f64, String> {
+    use Value::{Among, Number, NumberOrLimits, Whole};
+    number_in(text, || {
+        let rows = rows_of(key);
+        let unknown = || {
+            let mut known = Vec::new();
+            walk(&KEYS, &mut |key| known.push(key.name));
+            let meant = nearest(key.rsplit('.').next().unwrap_or(key), &known);
+            let meant = meant.map_or_else(String::new, |meant| format!(", probably {meant} misspelt"));
+            format!("; {key} is an unknown key{meant}, the command keys lists all")
+        };
+        let unit = rows.first().ok_or_else(unknown)?.unit;
+        let is_of_number =
+            |row: &Key| matches!(row.value, Number(_) | NumberOrLimits(_) | Whole(_) | Among(_));
+        // A key whose unit depends on its kind takes a prefix alone.
+        let unit = if unit != "1" && rows.iter().all(|row| row.unit == unit) { unit } else { "" };
+        if rows.iter().all(|row| is_of_number(row)) { Ok(unit) } else { Err(String::new()) }
+    })
+}
+
+/// A number in a unit: plain, or with a prefix, with the unit, or with both, such as `10M`, `33kΩ`, `20us` or, for an acceleration or
+/// a mass, `0.2g`. A letter that is a prefix is one: `5m` of a length is 5 mm.
+fn number_in(text: &str, unit: impl FnOnce() -> Result<&'static str, String>) -> Result<f64, String> {
     let text = text.trim();
     if let Ok(plain) = text.parse() {
         return Ok(plain);
     }
     let is_number = |text: &str| text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
     let mut parts = text.char_indices().rev().map(|(at, _)| text.split_at(at));
-    let (digits, suffix) =
+    let (digits, own) =
         parts.find(|(head, _)| is_number(head) && head.parse::<f64>().is_ok()).ok_or_else(String::new)?;
-    // The ohm has two signs and two spellings.
-    let (rows, suffix) = (rows_of(key), suffix.trim().replace('\u{2126}', "Ω").replace("Ohm", "ohm"));
-    let suffix = suffix.replace("^2", "2").replace("^3", "3");
-    let unknown = || {
-        let mut known = Vec::new();
-        walk(&KEYS, &mut |key| known.push(key.name));
-        let meant = nearest(key.rsplit('.').next().unwrap_or(key), &known);
-        let meant = meant.map_or_else(String::new, |meant| format!(", probably {meant} misspelt"));
-        format!("; {key} is an unknown key{meant}, the command keys lists all")
-    };
-    let unit = rows.first().ok_or_else(unknown)?.unit;
-    let is_of_number = |row: &&Key| {
-        matches!(row.value, Value::Number(_) | Value::NumberOrLimits(_) | Value::Whole(_) | Value::Among(_))
-    };
-    if !rows.iter().all(is_of_number) {
-        return Err(String::new());
-    }
-    // A key whose unit depends on its kind takes a prefix alone.
-    let unit = if unit != "1" && rows.iter().all(|row| row.unit == unit) { unit } else { "" };
+    // The ohm has two signs and two spellings, the micro two signs and a letter.
+    let suffix = own.trim().replace('\u{2126}', "Ω").replace("Ohm", "ohm").replace(['µ', 'μ'], "u");
+    let (suffix, unit) = (suffix.replace("^2", "2").replace("^3", "3"), unit()?);
     let ascii = unit.replace('Ω', "ohm").replace('²', "2").replace('³', "3");
     let gram = if unit == "kg" { 1e-3 } else { GRAVITY };
     let units = [("", 1.0), (unit, 1.0), (ascii.as_str(), 1.0), ("g", gram)];
     let units = if ["m/s²", "kg"].contains(&unit) { &units[..] } else { &units[..3] };
     let found = units.iter().find_map(|(unit, factor)| {
-        let prefix = suffix.strip_suffix(unit)?;
         // The prefix of a square metre is squared.
         let is_square = unit.starts_with("m²") || unit.starts_with("m2");
-        let prefixes = if is_square { &SQUARES[..] } else { &PREFIXES[..] };
-        prefixes.iter().find(|(name, _)| *name == prefix).map(|(_, power)| (*power, factor))
+        let power = match suffix.strip_suffix(unit)? {
+            "" => 0,
+            "c" if is_square => -4,
+            "m" if is_square => -6,
+            prefix if !is_square && prefix.len() == 1 => 3 * PREFIXES.find(prefix)? as i32 - 15,
+            _ => return None,
+        };
+        Some((power, factor))
     });
     let of_unit = if unit.is_empty() { String::new() } else { format!(" in {unit}") };
     let (power, factor) =
-        found.ok_or_else(|| format!(",{of_unit} with a prefix or without, not in {suffix}"))?;
+        found.ok_or_else(|| format!(",{of_unit} with a prefix or without, not in {}", own.trim()))?;
     // The digits with their power of ten are read together, so that no rounding is between.
     let value = match digits.contains(['e', 'E']) {
         true => digits.parse::<f64>().map(|digits| digits * 10f64.powi(power)),
@@ -266,7 +260,18 @@ pub(super) fn number_of(key: &str, text: &str) -> Result<f64, String> {
 /// # Errors
 /// Why it is none; `name` is blamed.
 pub fn finite_number_of(key: &str, name: &str, text: &str) -> Result<f64, String> {
-    let found = number_of(key, text);
+    finite(number_of(key, text), name, text)
+}
+
+/// Reads finite numbers in a unit, as by `--set`; an error blames `name`.
+pub fn finite_number_in(
+    unit: &'static str,
+    name: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
+    move |text| finite(number_in(text, || Ok(unit)), name, text)
+}
+
+fn finite(found: Result<f64, String>, name: &str, text: &str) -> Result<f64, String> {
     let found = found.and_then(|value| if value.is_finite() { Ok(value) } else { Err(String::new()) });
     found.map_err(|of_unit| format!("{name} = {text:?} must be a finite number{of_unit}"))
 }
@@ -355,6 +360,10 @@ mod tests {
             assert!(is_same, "{key} = {text}: {found:?}");
         }
         assert_eq!(Override::new("load.resistance_ohm", "33k").value(), "3.3e4");
+        assert_eq!(finite_number_in("s", "S")("20 us"), Ok(20e-6));
+        assert_eq!(finite_number_in("", "REL")("1m"), Ok(1e-3));
+        let refused = finite_number_in("s", "S")("1mV").expect_err("volts");
+        assert_eq!(Err(refused), finite_number_of("run.duration_s", "S", "1mV"));
         assert_eq!(Override::new("load.resistance_ohm", "33_000").value(), "33_000");
         assert_eq!(Override::new("excitation.path", "5m").value(), "5m");
     }
