@@ -129,7 +129,7 @@ fn finer(
     if is_layered || has_tolerance(scene, double) && are_longest(scene, alike) {
         return in_shorter_steps(runs, &shorter, alike);
     }
-    let found = runs.get(&shorter).filter(|finer| is_comparable(finer, alike));
+    let found = runs.get(&shorter).filter(|finer| is_comparable(runs.scene, finer, alike));
     found.map(|found| (shorter, found)).or_else(|| in_shorter_steps(runs, &shorter, alike))
 }
 
@@ -157,9 +157,9 @@ fn is_coarse(scene: &Scene, options: &Options) -> bool {
 }
 
 /// Whether a run has other steps, and delivers power where another does.
-fn is_comparable(finer: &Outcome, than: &Outcome) -> bool {
+fn is_comparable(scene: &Scene, finer: &Outcome, than: &Outcome) -> bool {
     // The methods of the host count no steps.
-    let has_more = than.steps == 0 || finer.steps as f64 >= MORE_STEPS * than.steps as f64;
+    let has_more = than.steps == 0 || MORE_STEPS * mean_step(scene, finer) <= mean_step(scene, than);
     has_more && difference(finer, than).is_some()
 }
 
@@ -170,7 +170,7 @@ fn in_shorter_steps(runs: &mut Runs<'_>, shorter: &Options, alike: &Outcome) -> 
         true => Options { ends_every_s: shorter_s, halvings: shorter.halvings - 1, ..*shorter },
         false => Options { step_s: shorter_s, long_step_s: None, halvings: 0, ..*shorter },
     };
-    let found = runs.get(&limited).filter(|finer| is_comparable(finer, alike))?;
+    let found = runs.get(&limited).filter(|finer| is_comparable(runs.scene, finer, alike))?;
     Some((limited, found))
 }
 
@@ -207,7 +207,10 @@ fn misses_impacts(scene: &Scene, finer: &Options, outcome: &Outcome) -> bool {
 
 /// The mean step of a run in s.
 fn mean_step(scene: &Scene, outcome: &Outcome) -> f64 {
-    scene.run.duration_s / outcome.steps.max(1) as f64
+    // A search for an orbit takes as many periods as it needs.
+    let of_search = outcome.steady_state.as_ref().zip(scene.excitation.single_frequency());
+    let simulated_s = of_search.map(|(found, frequency)| found.simulated_periods / frequency);
+    simulated_s.unwrap_or(scene.run.duration_s) / outcome.steps.max(1) as f64
 }
 
 /// Whether a storage behind the bridge of a triboelectric run discharges within a step: the tolerance does not hold its

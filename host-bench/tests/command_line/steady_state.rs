@@ -35,6 +35,14 @@ fn a_sweep_has_the_verdict_as_a_column_and_tells_its_price() {
     assert!(table.lines().next().is_some_and(|heading| heading.contains("steady_state")), "{table}");
 }
 
+/// A run in half the steps may find its orbit in fewer steps in all, as here.
+#[test]
+fn the_error_of_an_orbit_is_known_however_long_the_search_for_it_is() {
+    let bus = "--set=load={kind=\"dc-bus\",diode_drop_v=0.3,voltage_v=2.229102}";
+    let found = json(&["run", BEAM, "--steady-state", "--single-start", bus]);
+    assert!(number(&found["accuracy"], "total") < 1e-3, "{found}");
+}
+
 #[test]
 fn the_resonance_is_printed() {
     let range = ["resonance", SHIPPED, "--from", "19.3", "--to", "19.6", "--points", "7"];
