@@ -52,9 +52,6 @@ pub struct NodeStrategiesArguments {
     /// Noises of the ADC and true parts with which each timeline is run
     #[arg(long, value_name = "COUNT", default_value_t = 2, value_parser = count::<u64>(1..=1000))]
     seeds: u64,
-    /// Count hours in which the storage was full too
-    #[arg(long)]
-    with_full: bool,
     /// Output format
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -89,7 +86,6 @@ pub(super) fn run(arguments: &NodeStrategiesArguments) -> Result<(), Failure> {
         as_designed: arguments.as_designed,
         hours: arguments.hours,
         seeds: arguments.seeds,
-        with_full: arguments.with_full,
     };
     let lines = timelines(&extent)?;
     if lines.is_empty() {

@@ -44,20 +44,39 @@ pub struct Storage {
     pub leakage: f64,
     pub of_capacitance: f64,
     pub income: f64,
+    /// Shortest time in s from an action to the next.
+    pub every: u32,
 }
 
 impl Storage {
     /// An exact capacitor without leakage, and an income of 2.9 µW.
     pub const fn capacitor(capacitance: f64) -> Self {
-        Self { name: "capacitor", capacitance, leakage: f64::INFINITY, of_capacitance: 0.0, income: INCOME }
+        Self {
+            name: "capacitor",
+            capacitance,
+            leakage: f64::INFINITY,
+            of_capacitance: 0.0,
+            income: INCOME,
+            every: 40,
+        }
     }
 
     const fn supercapacitor(capacitance: f64, leakage: f64, income: f64) -> Self {
-        Self { name: "supercapacitor", capacitance, leakage, of_capacitance: 0.2, income }
+        Self { name: "supercapacitor", leakage, of_capacitance: 0.2, income, ..Self::capacitor(capacitance) }
     }
 
     const fn battery(name: &'static str, of_capacitance: f64, income: f64) -> Self {
         Self { name, of_capacitance, income, ..Self::capacitor(100e-6) }
+    }
+
+    /// Those of a node on it.
+    pub(super) fn settings(&self, kind: Kind, processor: Processor, spread: f64) -> Settings {
+        let Self { name, capacitance, leakage, of_capacitance, income, every } = *self;
+        let base = Settings::new(kind, processor, capacitance, spread).with_income(income);
+        let base = Settings { leakage, of_capacitance: of_capacitance / 3.0_f64.sqrt(), every, ..base };
+        let base = Battery::named(name).map_or(base, |battery| base.with_battery(battery));
+        // One that does not hold an action is a buffer.
+        if base.room() > base.action { base } else { base.with_buffer() }
     }
 
     fn reservoir(&self) -> Reservoir {
@@ -67,7 +86,7 @@ impl Storage {
 }
 
 /// Those of the rows, each with an income above its leakage. The first six are those of years.
-pub const STORAGES: [Storage; 10] = [
+pub const STORAGES: [Storage; 11] = [
     Storage::capacitor(0.47e-3),
     Storage::capacitor(1e-3),
     Storage::capacitor(10e-3),
@@ -79,6 +98,8 @@ pub const STORAGES: [Storage; 10] = [
     Storage { name: "buffer", leakage: 30e6, of_capacitance: 0.2, ..Storage::capacitor(17e-6) },
     Storage::battery("slb12400l151", 0.1, 10.0 * INCOME),
     Storage::battery("apr18650m1b", 0.05, 100.0 * INCOME),
+    // Actions take a sixth of the income: it is full for most of the time.
+    Storage { name: "full", every: 600, ..Storage::capacitor(1e-3) },
 ];
 /// Relative deviations of the standing power: measured, and by data sheets.
 const SPREADS: [f64; 2] = [0.01, 0.2];
@@ -107,8 +128,6 @@ pub struct Extent {
     pub hours: usize,
     /// Noises of the converter and true parts with which each timeline is run.
     pub seeds: u64,
-    /// Whether hours in which the storage was full count too.
-    pub with_full: bool,
 }
 
 /// Whether a course moves a harvester: friction holds a slider under random vibration and under steps.
@@ -183,6 +202,16 @@ pub struct Totals {
     pub lock_outs: u32,
 }
 
+impl Totals {
+    /// Errors of the hours that another strategy knows with the same begin and end, without a full storage or a silent reading of either.
+    fn paired(&self, other: &Self) -> Errors {
+        let is_known = |hour: &Hour| hour.full + hour.silent == 0.0;
+        let is_same = |one: &Hour, of: &Hour| one.truth == of.truth && is_known(one) && is_known(of);
+        let is_paired = |(at, one): &(&_, &Hour)| other.hours.get(*at).is_some_and(|of| is_same(one, of));
+        Errors::of(self.hours.iter().filter(is_paired).map(|(_, hour)| hour))
+    }
+}
+
 /// A market part with a storage, and how far the standing power may be off at most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setup {
@@ -194,18 +223,9 @@ pub struct Setup {
 
 impl Setup {
     pub(super) fn settings(&self, line: &Timeline) -> Settings {
-        let Storage { name, capacitance, leakage, of_capacitance, income } = self.storage;
-        let base = Settings::new(line.kind, self.processor, capacitance, self.spread).with_income(income);
-        let base = Battery::named(name).map_or(base, |battery| base.with_battery(battery));
-        // One that does not hold an action is a buffer.
-        let base = if base.room() > base.action { base } else { base.with_buffer() };
-        Settings {
-            leakage,
-            of_capacitance: of_capacitance / 3.0_f64.sqrt(),
-            gain: if line.as_designed { DESIGNED_GAIN } else { 1.0 },
-            ..base
-        }
-        .scaled(&line.minutes)
+        let gain = if line.as_designed { DESIGNED_GAIN } else { 1.0 };
+        let base = self.storage.settings(line.kind, self.processor, self.spread);
+        Settings { gain, ..base }.scaled(&line.minutes)
     }
 
     fn world<'a>(&self, line: &'a Timeline, seed: u64) -> World<'a> {
@@ -306,10 +326,18 @@ pub struct Row {
     pub bound_median: f64,
     pub inside: f64,
     pub hours: usize,
+    /// Medians over those of `difference`, of the same hours of both.
+    pub error_over_difference: f64,
+    pub bound_over_difference: f64,
     pub actions: u32,
     pub actions_of_oracle: Option<u32>,
     pub lock_outs: u32,
     pub shunted: f64,
+    /// Of the hours in which the storage was full for more than half of the time.
+    pub error_full: f64,
+    pub bound_full: f64,
+    pub inside_full: f64,
+    pub hours_full: usize,
 }
 
 /// The rows of all strategies, parts and storages on some timelines; `done` is called after each.
@@ -319,10 +347,14 @@ pub fn rows(extent: &Extent, lines: &[Timeline], done: impl Fn()) -> Vec<Row> {
         for &storage in &extent.storages {
             for spread in SPREADS {
                 let setup = Setup { processor, storage, spread, seeds: extent.seeds };
-                rows.extend(Name::ALL.map(|name| {
+                let all = Name::ALL.map(|name| {
                     done();
-                    Row::new(name, &setup, &setup.run_all(name, lines), extent.with_full)
-                }));
+                    setup.run_all(name, lines)
+                });
+                let difference = &all[Name::Difference as usize];
+                rows.extend(
+                    Name::ALL.into_iter().zip(&all).map(|(name, of)| Row::new(name, &setup, of, difference)),
+                );
             }
         }
     }
@@ -332,8 +364,8 @@ pub fn rows(extent: &Extent, lines: &[Timeline], done: impl Fn()) -> Vec<Row> {
 /// A number of a row, of which the smaller is the better, and its name.
 type Judged = (&'static str, fn(&Row) -> f64);
 const JUDGED: [Judged; 5] = [
-    ("error", |row| row.error_median),
-    ("bound", |row| row.bound_median),
+    ("error", |row| row.error_over_difference),
+    ("bound", |row| row.bound_over_difference),
     ("hours inside", |row| -row.inside),
     ("actions", |row| -f64::from(row.actions)),
     ("lock-outs", |row| f64::from(row.lock_outs)),
@@ -356,8 +388,10 @@ pub(crate) fn summary(rows: &[Row]) -> String {
 }
 
 impl Row {
-    fn new(strategy: Name, setup: &Setup, totals: &Totals, with_full: bool) -> Self {
-        let errors = Errors::of(totals.hours.values().filter(|hour| with_full || hour.full == 0.0));
+    fn new(strategy: Name, setup: &Setup, totals: &Totals, difference: &Totals) -> Self {
+        let errors = Errors::of(totals.hours.values().filter(|hour| hour.full == 0.0));
+        let of_full = Errors::of(totals.hours.values().filter(|hour| hour.full > 0.5));
+        let [own, other] = [totals.paired(difference), difference.paired(totals)];
         let reservoir = setup.storage.reservoir();
         let begin = begin_v(reservoir.battery);
         let stored = reservoir.energy_j(begin);
@@ -374,10 +408,16 @@ impl Row {
             bound_median: errors.bound,
             inside: errors.inside,
             hours: errors.hours,
+            error_over_difference: own.median / other.median,
+            bound_over_difference: own.bound / other.bound,
             actions: totals.actions,
             actions_of_oracle: totals.actions_of_oracle,
             lock_outs: totals.lock_outs,
             shunted: totals.shunted,
+            error_full: of_full.median,
+            bound_full: of_full.bound,
+            inside_full: of_full.inside,
+            hours_full: of_full.hours,
         }
     }
 }
@@ -396,8 +436,8 @@ mod tests {
         };
         let row = |name: Name, actions, lock_outs| {
             let totals = Totals { actions, lock_outs, ..Totals::default() };
-            let known = Row::new(name, &setup, &totals, false);
-            Row { inside: 1.0, error_median: f64::from(lock_outs), ..known }
+            let known = Row::new(name, &setup, &totals, &totals);
+            Row { inside: 1.0, error_over_difference: f64::from(lock_outs), ..known }
         };
         let others = |name: Name| row(name, 5, 5);
         let of = |voltage: Row, map: Row| {

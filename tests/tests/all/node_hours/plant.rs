@@ -157,15 +157,15 @@ fn the_rows_have_the_keys_of_their_contract() {
         as_designed: false,
         hours: 4,
         seeds: 1,
-        with_full: true,
     };
     let rows = rows(&extent, &[line()], || {});
-    // Seven strategies, three parts, ten storages, two draws.
-    assert_eq!(rows.len(), 7 * 3 * 10 * 2);
+    // Seven strategies, three parts, eleven storages, two draws.
+    assert_eq!(rows.len(), 7 * 3 * 11 * 2);
     assert!(rows.iter().all(|row| row.income_w > row.leakage_w));
     let text = format!("{:?}", rows[0]);
     let keys = "strategy part storage capacitance_f income_w leakage_w draw_spread share error_median \
-                bound_median inside hours actions actions_of_oracle lock_outs shunted";
+                bound_median inside hours error_over_difference bound_over_difference actions \
+                actions_of_oracle lock_outs shunted error_full bound_full inside_full hours_full";
     let keys: Vec<_> = keys.split(' ').collect();
     let places: Vec<_> = keys.iter().map(|key| text.find(&format!(" {key}: ")).expect(key)).collect();
     assert!(places.is_sorted() && text.matches(": ").count() == keys.len(), "{text}");
