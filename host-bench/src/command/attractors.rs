@@ -39,7 +39,7 @@ pub struct AttractorsArguments {
     /// Starts, the first that of the scene, the others spread evenly over displacement and velocity
     #[arg(long, value_name = "COUNT", default_value_t = 64, value_parser = count::<u32>(4..=100_000))]
     starts: u32,
-    /// Write the mean power over displacement and velocity at the start (.svg), or a page with zoom (.html)
+    /// Write the starts over displacement and velocity, each with the sign of its motion (.svg), or a page with zoom (.html)
     #[arg(long, value_name = "FILE.svg|.html")]
     picture: Option<PathBuf>,
 }
@@ -67,7 +67,10 @@ pub(super) fn run(arguments: &AttractorsArguments) -> Result<(), Failure> {
         [("velocity at the start [m/s]", velocities), ("displacement at the start [m]", displacements)]
             .map(|(name, ends)| Axis::new(name, ends, side, false));
     let at = |number: u32, axis: usize| axes[axis].at((STEPS[axis] * f64::from(number)).fract());
-    let spread = (1..arguments.starts).map(|number| place.within([at(number, 1), at(number, 0)]));
+    // Of a slider some places would be nearer to an edge than they are: they are left out.
+    let spread =
+        (1..).map(|number| [at(number, 1), at(number, 0)]).filter(|start| place.within(*start) == *start);
+    let spread = spread.take(arguments.starts as usize - 1);
     let starts: Vec<[f64; 2]> = std::iter::once(start(&later)).chain(spread).collect();
     let ends = with_progress("starts", starts.len(), |bar| ends(&later, options, &starts, || one_more(bar)));
     let mut motions = motions(&ends);
