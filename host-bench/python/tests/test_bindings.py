@@ -131,7 +131,7 @@ class Bindings(unittest.TestCase):
         values = {"load.resistance_ohm": [1e6, 1e8]}
         picture = vh.plot(SCENE, compare=values, view=["history", "phase"], span=(0.4, 0.5), changes=SHORT)
         self.assertTrue(picture._repr_svg_().startswith("<svg"))
-        self.assertIn("resistance_ohm = 100000000.0", picture.svg)
+        self.assertIn("load resistance = 100 MΩ", picture.svg)
         self.assertIn("phase portrait", picture.svg)
         self.assertNotIn("spectrum", picture.svg)
         self.assertIn("total", picture.accuracy)

@@ -9,7 +9,7 @@ use crate::method::{Failure, Options};
 use crate::motion::{self, LogAxis, Series, View, Wanted};
 use crate::outcome::{Fields, Format, text};
 use crate::report::Picture;
-use crate::report::setting::{distinct_labels, margin, named, setting, words_and_unit};
+use crate::report::setting::{exact_label, margin, named, setting, words_and_unit};
 use crate::run::run_scene;
 use crate::scene_file::{self, Override, Scene, finite_number_in};
 
@@ -178,9 +178,10 @@ fn scenes(arguments: &PlotArguments) -> Result<Vec<(String, Scene)>, Failure> {
     };
     let found: Vec<(Option<f64>, Scene)> = values.iter().map(read).collect::<Result<_, Failure>>()?;
     let (words, unit) = words_and_unit(key);
-    let numbers: Option<Vec<f64>> = found.iter().map(|(number, _)| *number).collect();
-    let labels = numbers.map_or_else(|| values.clone(), |numbers| distinct_labels(&numbers, &unit));
-    let named = labels.iter().zip(found).map(|(label, (_, scene))| (format!("{words} = {label}"), scene));
+    let named = values.iter().zip(found).map(|(text, (number, scene))| {
+        let label = number.map_or_else(|| text.clone(), |number| exact_label(number, &unit));
+        (format!("{words} = {label}"), scene)
+    });
     Ok(named.collect())
 }
 

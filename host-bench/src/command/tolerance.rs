@@ -19,7 +19,7 @@ use crate::method::Failure;
 use crate::optimise::check_quantity;
 use crate::outcome::{Fields, Format, fields, flattened, folded, small, text};
 use crate::report::chart::{Axis, Chart, Curve, FITTING, Mark};
-use crate::report::setting::{distinct_labels, label, number_and_unit, scaled, words_and_unit};
+use crate::report::setting::{distinct_labels, exact_label, label, number_and_unit, scaled, words_and_unit};
 use crate::report::svg::{BLACK, BLUE, GREEN, VERMILION, range};
 use crate::report::{Picture, terminal};
 use crate::rows::{Digits, Rows};
@@ -229,22 +229,26 @@ impl<'a> Found<'a> {
         let (words, unit) = number_and_unit(&self.arguments.quantity);
         let (title, factor) = scaled(&words, unit, sorted.iter().copied());
         let share = |value: f64| sorted.partition_point(|one| *one <= value) as f64 / sorted.len() as f64;
-        let named = |name: &str, value: f64| {
-            format!("{}: {}", name.replace('_', " "), distinct_labels(&[value], unit).concat())
-        };
-        let upright = |name: &str, colour, mark, value: f64| {
-            let ends = [0.0, 1.0].map(|share| (factor * value, share));
-            Curve::new(named(name, value), colour, mark, ends)
+        let found: Vec<f64> = PERCENTILES.iter().map(|(_, part)| percentile(sorted, *part)).collect();
+        let all: Vec<f64> = found.iter().copied().chain(*nominal).collect();
+        let mut labels = distinct_labels(&all, unit).into_iter();
+        let upright = |name: String, colour, mark, value: f64| {
+            Curve::new(name, colour, mark, [0.0, 1.0].map(|share| (factor * value, share)))
         };
         let line = sorted.iter().map(|value| (factor * value, share(*value)));
         let mut curves = vec![Curve::new("", BLUE, Mark::line(0, 1.8), line)];
-        let percentiles = PERCENTILES.iter().map(|(name, part)| {
-            let value = percentile(sorted, *part);
-            (named(name, value), [(factor * value, *part)])
-        });
+        let percentiles =
+            PERCENTILES.iter().zip(&found).zip(&mut labels).map(|(((name, part), value), label)| {
+                (format!("{}: {label}", name.replace('_', " ")), [(factor * value, *part)])
+            });
         curves.extend(Curve::distinct(&[GREEN, BLACK], (Mark::point, 9.0), percentiles));
-        curves.extend(nominal.map(|value| upright("nominal", VERMILION, Mark::line(0, 1.2), value)));
-        curves.extend(self.at_least.map(|value| upright("wished", BLACK, Mark::line(1, 1.2), value)));
+        let nominal_line = nominal.zip(labels.next());
+        let nominal_line = nominal_line
+            .map(|(value, label)| upright(format!("nominal: {label}"), VERMILION, Mark::line(0, 1.2), value));
+        let wished = self.at_least.map(|value| {
+            upright(format!("wished: {}", exact_label(value, unit)), BLACK, Mark::line(1, 1.2), value)
+        });
+        curves.extend(nominal_line.into_iter().chain(wished));
         let across = |title: &str, curves: &[Curve]| {
             let all = curves.iter().flat_map(|curve| &curve.points).map(|point| point.0);
             Axis::linear(title, range(all).into(), 6)
@@ -253,7 +257,7 @@ impl<'a> Found<'a> {
         let distribution = Chart::new("", across(&title, &curves), up, curves);
         let of_key = |(key, values): &(&Varied, Vec<f64>)| {
             let (words, unit) = words_and_unit(&key.key);
-            let about = distinct_labels(&[key.nominal], &unit).concat();
+            let about = exact_label(key.nominal, &unit);
             // Of 0 there is no percentage.
             let (key_title, [from, scale]) = match key.nominal {
                 0.0 => (label(&key.key), [0.0, 1.0]),
@@ -280,7 +284,7 @@ impl<'a> Found<'a> {
 
 /// How much of the variance both fits explain, or why there is none.
 fn explained(r_squared: [Option<f64>; 2], sorted: &[f64]) -> String {
-    let is_constant = sorted.first() == sorted.last();
+    let is_constant = sorted.len() > 1 && sorted.first() == sorted.last();
     let reason = if is_constant { "fails: all values are equal" } else { "has too few samples" };
     let [linear, quadratic] = r_squared.map(|part| match part {
         Some(part) => format!("explains {:.1} % of the variance", 100.0 * part.max(0.0)),

@@ -45,21 +45,31 @@ pub(crate) fn axis_of(key: &str, is_logarithmic: bool, ends: [f64; 2]) -> (Axis,
 
 /// Values with their unit and as many digits, from three on, as leave each within a tenth of its distance to the next one.
 pub(crate) fn distinct_labels(values: &[f64], unit: &str) -> Vec<String> {
-    // The prefix of a power, or of a kilogram, would be that of another unit.
-    let has_prefix =
-        !unit.is_empty() && !["m²", "m³", "kg", "g", "s²"].iter().any(|other| unit.starts_with(other));
     let text = |value: &f64, digits: usize| {
-        let (prefix, factor) = if has_prefix { prefix(value.abs()) } else { ("", 1.0) };
-        let rounded: f64 = format!("{:.*e}", digits - 1, value * factor).parse().unwrap_or(value * factor);
-        let plain = rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs());
-        let number = if plain { rounded.to_string() } else { format!("{rounded:e}") };
+        let (text, shown) = rounded(*value, unit, digits);
         let distances = values.iter().map(|other| (other - value).abs()).filter(|distance| *distance > 0.0);
-        let is_off = (rounded / factor - value).abs() > 0.1 * distances.fold(f64::INFINITY, f64::min);
-        (format!("{number} {prefix}{unit}").trim_end().to_owned(), is_off)
+        (text, (shown - value).abs() > 0.1 * distances.fold(f64::INFINITY, f64::min))
     };
     let texts = |digits: usize| values.iter().map(|value| text(value, digits)).unzip();
     let is_near = |(_, off): &(Vec<String>, Vec<bool>)| !off.contains(&true);
     (3..17).map(texts).find(is_near).unwrap_or_else(|| texts(17)).0
+}
+
+/// A value that a user gave, with its unit and all its digits.
+pub(crate) fn exact_label(value: f64, unit: &str) -> String {
+    rounded(value, unit, 15).0
+}
+
+/// A value with so many digits and its unit, and the value that this text has.
+fn rounded(value: f64, unit: &str, digits: usize) -> (String, f64) {
+    // The prefix of a power, or of a kilogram, would be that of another unit.
+    let has_prefix =
+        !unit.is_empty() && !["m²", "m³", "kg", "g", "s²"].iter().any(|other| unit.starts_with(other));
+    let (prefix, factor) = if has_prefix { prefix(value.abs()) } else { ("", 1.0) };
+    let rounded: f64 = format!("{:.*e}", digits - 1, value * factor).parse().unwrap_or(value * factor);
+    let plain = rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs());
+    let number = if plain { rounded.to_string() } else { format!("{rounded:e}") };
+    (format!("{number} {prefix}{unit}").trim_end().to_owned(), rounded / factor)
 }
 
 /// The smallest of some margins to limits of a model by their names, for the title of a picture after other text; empty for none.
@@ -198,6 +208,9 @@ mod tests {
         assert_eq!(distinct_labels(&[1e3, 1e6, 0.0, f64::INFINITY], "Ω"), ["1 kΩ", "1 MΩ", "0 Ω", "inf Ω"]);
         assert_eq!(distinct_labels(&[2e-3, 4e-8], "kg"), ["0.002 kg", "4e-8 kg"]);
         assert_eq!(distinct_labels(&[0.5], ""), ["0.5"]);
+        let exact = [(12345.0, ""), (19.37, "Hz"), (12_345_678.0, "Ω"), (1e-5, "m"), (0.1 + 0.2, "V")];
+        let exact = exact.map(|(value, unit)| exact_label(value, unit));
+        assert_eq!(exact, ["12345", "19.37 Hz", "12.345678 MΩ", "10 µm", "300 mV"]);
         assert_eq!(words_and_unit("parameters.beam_length_m"), ("beam length".to_owned(), "m".to_owned()));
         for (name, expected) in [
             ("mean_power_w", ("mean power", "W")),
