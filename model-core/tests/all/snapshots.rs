@@ -359,6 +359,11 @@ fn an_image_of_budget_and_bank_comes_back_and_is_foreign_to_those_with_another_n
     let mut awake = (own.start(0), lines.start());
     assert_eq!(snapshot::read_image(&(&own, &lines), &bytes[..size], &mut awake), Ok(7));
     assert_eq!(awake, states);
+    for byte in 0..size {
+        let mut damaged = bytes;
+        damaged[byte] ^= 0x10;
+        assert!(snapshot::read_image(&(&own, &lines), &damaged[..size], &mut awake).is_err(), "byte {byte}");
+    }
     let foreign = Some(SnapshotError::ForeignModel);
     let changes: [Change<BudgetParameters<f32>>; 10] = [
         |p| p.storage.capacitor.capacitance = 221e-6,
