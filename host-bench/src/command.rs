@@ -157,7 +157,7 @@ pub(crate) fn fail_after_result(reason: String) -> Result<(), Failure> {
     if is_called() { Ok(()) } else { Err(Failure::Step(reason)) }
 }
 
-/// Prints the result on standard output, or standard error where a file is that, without control characters but line breaks and tabs.
+/// Prints the result on standard output, or on standard error if a file goes to standard output, without control characters but line breaks and tabs.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let text = text.replace(|letter: char| letter.is_control() && !['\n', '\t'].contains(&letter), "");
     let called = PRINTED.with_borrow_mut(|printed| printed.as_mut().map(|printed| printed.push_str(&text)));

@@ -1,4 +1,4 @@
-//! Whether an excitation meets the resonances of a scene: a sine is near one, lines or samples of others resolve them.
+//! Whether an excitation meets the resonances of a scene: a sine is near one, or the lines or samples of another one resolve them.
 
 use crate::outcome::{BumpStopOutcome, Outcome};
 use crate::scene_file::{Excitation, Scene};

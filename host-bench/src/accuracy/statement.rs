@@ -291,7 +291,7 @@ impl Statements {
             let other = "accuracy: the start of the scene does not lead to the orbit there, which would have a statement";
             let powers = power_w.map_or(String::new(), |power_w| {
                 format!(
-                    ": it has {power_w:.3e} W at {frequency_hz} Hz, the motion from the start {own_w:.3e} W"
+                    ": it has {power_w:.6e} W at {frequency_hz:.5} Hz, the motion from the start {own_w:.6e} W"
                 )
             });
             Ok(Outcome { warnings: vec![other.to_owned() + &powers], accuracy: Accuracy::default(), ..own })

@@ -32,7 +32,7 @@ pub struct OnTargetArguments {
     core: Vec<Core>,
 
     /// How long a run may take, in seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 120, 
+    #[arg(long, value_name = "SECONDS", default_value_t = 120,
         value_parser = |text: &str| count::<u64>(1..=86_400)(&finite_number_in("s", "SECONDS")(text)?.to_string()))]
     time_limit: u64,
 

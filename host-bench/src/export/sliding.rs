@@ -8,7 +8,7 @@ use super::{Netlist, Parameter, law_name};
 use crate::scene_file::modes::Cantilever;
 use crate::scene_file::{ForceLaw, GRAVITY, Sliding, SlidingParameters, StickCharge};
 
-/// Speed of the creep in stick over patch radius times angular frequency: of it a hundred times more costs per cent of the power.
+/// Speed of the creep in stick over patch radius times angular frequency. A hundred times this speed costs some per cent of the power.
 const CREEP: f64 = 1e-7;
 
 /// Width of the static friction in speeds of the creep: the largest friction of `sliding.toml` is at most 0.42 % below its static one.

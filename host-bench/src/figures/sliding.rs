@@ -13,7 +13,7 @@ use crate::method::{Failure, Options};
 use crate::report::setting::with_unit;
 use crate::scene_file::{GRAVITY, Scene};
 
-/// Relative tolerance of the steps. At 1e-7 a resonance differs by less than 1e-5 Hz, and a part in 1e5 of its amplitude.
+/// Relative tolerance of the steps. At 1e-7 a resonance differs by less than 1e-5 Hz, its amplitude by less than 1e-5 of it.
 pub(crate) const TOLERANCE: f64 = 1e-5;
 
 /// The small and the large charge density in µC/m².

@@ -100,7 +100,7 @@ pub(crate) fn optimise(
     }
     let is_level = values.len() > 1 && points.iter().filter_map(Point::value).all(|value| value == values[0]);
     let level = is_level.then(|| {
-        format!("{} is the same at all points of the grid: the keys do not change it", request.quantity)
+        format!("{} is the same at all points that were run: the keys do not change it", request.quantity)
     });
     let doubts = level.into_iter().chain(doubt(request, &best, &outcome));
     let doubts = doubts.chain(request.unapproached(&best.place, &outcome)).collect();

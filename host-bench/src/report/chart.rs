@@ -201,7 +201,7 @@ impl Curve {
         (!points.is_empty()).then(|| Self { notes, ..Self::new(name, colour, mark, points) })
     }
 
-    /// The same with a gap at each jump: where neighbours differ by much more than those beside, a line would be no slope.
+    /// The same with a gap at each jump: where neighbours differ by much more than those beside, a line would show a slope that was not computed.
     pub(crate) fn broken_at_jumps(self) -> Self {
         let points = &self.points;
         let (low, high) = extremes(points.iter().map(|point| point.1));

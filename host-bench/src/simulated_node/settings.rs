@@ -36,7 +36,7 @@ pub(super) fn begin_v(battery: Option<Battery>) -> f64 {
     battery.map_or(3.0, |battery| battery.half_v.0)
 }
 
-/// How a node is built: its storage, what its parts cost, how far they may be off. Energies are in J, scaled to the income.
+/// How a node is built: its storage, what its parts cost, how far they may be off. Energies are in J; the harvester is scaled to the income.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     pub kind: Kind,

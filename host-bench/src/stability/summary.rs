@@ -157,7 +157,7 @@ pub fn cause(reason: &str) -> String {
     known.map_or_else(words, |(_, cause)| (*cause).to_owned())
 }
 
-// A judged case as a row of CSV and an object of JSON, and the program: rows of several builds are no result.
+// A judged case as a row of CSV and an object of JSON, and the program: rows of different builds must not be mixed.
 
 impl Finding {
     /// Judges cases that differ in nothing but precision; each has its number.

@@ -109,7 +109,7 @@ fn a_resonance_warns_of_another_motion_and_of_a_peak_at_an_edge() {
     let warnings = found["warnings"].to_string();
     assert!(found["accuracy"]["total"].is_null() && found["peak_at_edge"] == true, "{found}");
     assert!(
-        warnings.contains("it has 1.376e-5 W") && warnings.contains("the motion from the start 1.381e-5 W"),
+        warnings.contains("it has 1.376045e-5 W at 20.14429 Hz, the motion from the start 1.380731e-5 W"),
         "{warnings}"
     );
     assert!(warnings.contains("range: the largest amplitude is at its edge, 22 Hz"), "{warnings}");
